@@ -230,7 +230,7 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
         found.append(posterior.known.stiffness)
     settled = np.abs(np.array(found) - 2.0 * K) < 0.1 * 2.0 * K
     assert settled[before.t > at + 0.2].all()
-    assert posterior.changes >= 1
+    assert posterior.wall.changes >= 1
     assert np.all(np.abs(np.array(found)[(before.t > 1.5) & (before.t < at)] - K) < 0.02 * K)
 
 
@@ -276,7 +276,7 @@ def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     samples = contact(law, shaken=0.003, wall=wall)
     posterior = fed(samples, WallPosterior(0.0, 2e-3, NO_LAG))
     assert posterior.known.laws[LAWS.index(name)] > 0.5
-    assert posterior.law == name
+    assert posterior.wall.law == name
     assert sum(posterior.known.laws) == pytest.approx(1.0)
 
 
@@ -300,8 +300,8 @@ def test_lag_of_the_sensor_is_learned(pole_s: float, delay_s: float) -> None:
         spring_damper(K, 250.0), 4.0, shaken=0.003, pole_s=pole_s, delay_s=delay_s))
     known = posterior.known
     assert within(known.damping, 250.0, known.damping_std)
-    assert within(posterior.lag.lag[0], 1e-3, posterior.lag.lag[1])
-    assert posterior.lag.lag[1] < 0.5e-3
+    assert within(posterior.wall.lag.lag[0], 1e-3, posterior.wall.lag.lag[1])
+    assert posterior.wall.lag.lag[1] < 0.5e-3
 
 
 @pytest.mark.parametrize('rate', [

@@ -114,7 +114,7 @@ class EstimationPipeline:
         self._of_rows = self._row_estimation()
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
-        self.posterior.inertia = self._compensation.inertia
+        self.posterior.wall.inertia = self._compensation.inertia
         self._await_touch()
 
     def _begin_anew(self) -> None:
@@ -125,7 +125,7 @@ class EstimationPipeline:
 
     def _row_estimation(self) -> RowEstimation | None:
         p = self.parameters
-        self.posterior.rhythm.followed = p.estimator != MULTIPLE_MODEL
+        self.posterior.wall.rhythm.followed = p.estimator != MULTIPLE_MODEL
         return RowEstimation(p, self.posterior) if p.estimator != MULTIPLE_MODEL else None
 
     def _await_touch(self) -> None:
@@ -461,7 +461,7 @@ class EstimationPipeline:
         if now is not self._noted and state == CONTACT:
             self._noted = now
             if now.fit == now.fit:
-                self.model_fit.note(now.fit, self.posterior.law, stamp_ns)
+                self.model_fit.note(now.fit, self.posterior.wall.law, stamp_ns)
 
     def _published_of(
         self, own: ParameterEstimate, status: EstimateStatus, reason: str, shift: float
