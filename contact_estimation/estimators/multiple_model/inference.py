@@ -28,7 +28,7 @@ from .constants import (
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter
 from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
-from .knowledge import Knowledge, SURE
+from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M, SURE
 from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
@@ -169,7 +169,7 @@ class WallInference:
         if known.surface != known.surface:
             self._x0 = x
             self._surfaces = [(x, ANYWHERE_M, 1.0)]
-        elif x < known.outermost:  # another wall
+        elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
         self._touched = x
 

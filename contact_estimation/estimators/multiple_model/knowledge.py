@@ -21,7 +21,8 @@ from typing import NamedTuple
 SURE = 0.3
 """Relative standard deviation of K_e above which there is no estimate."""
 
-_OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]
+OUTSIDE, OUTSIDE_M = 4.0, 5e-4
+"""Distance from a surface where no force is that of the wall [deviations of the surface, m]."""
 
 
 class Knowledge(NamedTuple):
@@ -57,8 +58,3 @@ class Knowledge(NamedTuple):
     def valid(self) -> bool:
         """Whether the stiffness is known to a third of it."""
         return self.stiffness_std < SURE * self.stiffness
-
-    @property
-    def outermost(self) -> float:
-        """Position outside of which no force is that of the wall [m]."""
-        return self.surface - _OUTSIDE * self.surface_std - _OUTSIDE_M

@@ -26,7 +26,7 @@ from .ahead import Ahead, GREATEST
 from .blocks import Blocks, FIRST
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
-from .knowledge import Knowledge
+from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M
 from .laws import Array
 
 _FEW = 4  # samples that are not worth a run
@@ -149,10 +149,10 @@ class WallPosterior:
         if self._work is not None:
             self._go_on()
         before = contact.state
-        contact.take((dt,), (felt_force,), (felt_x,), *self.known[4:6])
+        contact.take((dt,), (felt_force,), (felt_x,), *self.wall.known[4:6])
         if contact.state != before:
             self._change(t if felt is None else nan, felt_x, before)
-        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self.known.outermost)
+        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self._outermost)
         return contact.state
 
     def run(self, t: Array, force: Array, x: Array, v: Array) -> Iterator[tuple[int, int]]:
@@ -180,8 +180,8 @@ class WallPosterior:
                 done += 1
                 continue
             end = min(end, done + self._uneventful(table[done:end, :2]))
-            before, outermost = contact.state, self.known.outermost
-            last = done - 1 + contact.take(*ahead.part(done, end), *self.known[4:6])
+            before, outermost = contact.state, self._outermost
+            last = done - 1 + contact.take(*ahead.part(done, end), *self.wall.known[4:6])
             if last > done:
                 if before == CONTACT:
                     table[done:last, 5] = ~(x[done:last] < outermost)  # NaN while not known
@@ -192,7 +192,7 @@ class WallPosterior:
             dt = blocks.step(at, sample[1])
             if contact.state != before:
                 self._change(at, sample[1], before)
-            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self.known.outermost)
+            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
             yield done, contact.state
 
     def _uneventful(self, later: Array) -> int:
@@ -205,6 +205,12 @@ class WallPosterior:
             if len(alarms):
                 count = blocks.short * (int(alarms[0]) + 1) - blocks.pending % blocks.short
         return count
+
+    @property
+    def _outermost(self) -> float:
+        """Return the position outside of which no force is that of the wall [m]."""
+        known = self.wall.known
+        return known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
 
     def _change(self, t: float, x: float, before: int) -> None:
         """Begin or end a contact; at NaN if a short one is not to be used."""
