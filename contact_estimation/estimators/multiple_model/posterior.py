@@ -90,7 +90,7 @@ class WallPosterior:
 
     @property
     def known(self) -> Knowledge:
-        """What is known of the wall now."""
+        """Return what is known of the wall now."""
         return self.wall.known
 
     @property
