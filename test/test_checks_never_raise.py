@@ -87,8 +87,5 @@ def test_a_session_judges_frozen_signals_and_bursts(change: Any) -> None:
         sample = ContactSample(10**9 + 2_000_000 * k, 1e-3 * np.sin(0.04 * k), 0.0, force - 20.0)
         sample = change(k, sample)
         estimate = SimpleNamespace(status=None)
-        checks.samples.append((sample,))
-        checks.estimates.append(((0,) * 7 + (estimate,),))  # type: ignore[arg-type]
-        if len(checks.samples) >= checks.due:
-            checks.judge(sample.stamp_ns)
+        checks.add((sample,), ((0,) * 7 + (estimate,),))  # type: ignore[arg-type]
     assert all(isinstance(one.text, str) for one in checks.warnings())

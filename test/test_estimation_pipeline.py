@@ -72,6 +72,44 @@ def test_estimates_depend_on_the_samples_alone(estimator: str) -> None:
     assert runs[0] == runs[1]
 
 
+def spoiled(samples: list[ContactSample], seed: int) -> list[ContactSample]:
+    """Return samples with wild values, lost ones, a noise burst, a flipped sign, two rates."""
+    draw = np.random.default_rng(seed)
+    stamps, *columns = np.array(samples).T
+    x, _, force = columns
+    count = len(stamps)
+    for values, wrong in ((force, (30.0, -50.0, 1e6)), (x, (0.5, -0.01, 0.02))):
+        values[draw.integers(0, count, 20)] += draw.choice(wrong, 20)
+    force[1500:1700] += 8.0 * draw.standard_normal(200)
+    force[2200:2300] *= -1.0
+    kept = draw.uniform(size=count) > 0.01
+    kept[800:830] = kept[2500::2] = False
+    return [ContactSample(int(stamp), *row) for stamp, *row in np.array(
+        [stamps, *columns]).T[kept].tolist()]
+
+
+@pytest.mark.parametrize('changes', [
+    {}, {'environment__location': float('nan')}, {'physics__force_lag__tau': 2e-3},
+    {'estimator': 'rls'}])
+@pytest.mark.parametrize('seed', [0, 1])
+def test_samples_at_once_give_the_bits_of_samples_one_by_one(
+    changes: dict[str, Any], seed: int
+) -> None:
+    samples = contact_samples(1.5, force_noise=0.3)
+    samples = [*samples, *later(samples, samples[-1].stamp_ns + PERIOD_NS)] * 2
+    samples = [one._replace(stamp_ns=k * PERIOD_NS) for k, one in enumerate(samples)]
+    samples = spoiled(samples, seed)
+    together, found = pipeline_with(**changes), []
+    draw = np.random.default_rng(seed)
+    rows = list(samples)
+    while rows:
+        size = int(draw.integers(1, 300))
+        table, rows = np.array(rows[:size]), rows[size:]
+        found += together.take_many(table[:, 0].astype(np.int64), *table.T[1:])
+    assert repr(found) == repr(estimates_of(samples, pipeline_with(**changes)))
+    assert any(one.status is EstimateStatus.ESTIMATING for one in found)
+
+
 @BY_ESTIMATOR
 def test_free_flight_neither_drifts_nor_jumps(estimator: str) -> None:
     pipeline = pipeline_with(estimator=estimator)

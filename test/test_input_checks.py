@@ -274,8 +274,9 @@ def test_offset_corrects_the_stamps_either_way(milliseconds: int) -> None:
         wrench_late_ms=milliseconds, synchronisation__offset=milliseconds * 1e-3)
     _, expected = fed()
     assert not session.checks.warnings()
-    assert estimates[-1][0].damping == pytest.approx(B_E, rel=0.05)
-    assert estimates[-1][0].stiffness == pytest.approx(expected[-1][0].stiffness, rel=1e-3)
+    last = estimates[-1][0]
+    assert last.damping == pytest.approx(B_E, abs=2.0 * last.damping_std)
+    assert last.stiffness == pytest.approx(expected[-1][0].stiffness, rel=1e-3)
 
 
 @pytest.mark.parametrize('samples', [HEALTHY, SOFT])
@@ -412,20 +413,38 @@ def test_joint_states_after_a_clock_jump_are_not_slow() -> None:
     assert 'joint_rate' not in {found.warned.name for found in session.checks.found_in_order()}
 
 
-def test_checks_are_judged_a_few_at_a_time() -> None:
-    session, _ = fed(HEALTHY[:250])
-    judged: list[int] = []
-    judge = session.checks._judge
+def judged(session: ContactSession, samples: Sequence[ContactSample]) -> list[int]:
+    """Return how many checks are judged after each of further samples."""
+    names: list[str] = []
+    judge, counts = session.checks._judge, []
 
-    def noted(seen: Any, checks: Any) -> None:
-        judged.append(len(checks))
-        judge(seen, checks)
+    def noted(seen: Any, check: Any) -> None:
+        names.append(check.name)
+        judge(seen, check)
 
     setattr(session.checks, '_judge', noted)
-    for stamp, x, v, F in HEALTHY[250:300]:
+    for stamp, x, v, F in samples:
+        before = len(names)
         session.add_motion(stamp + 1000 * MILLISECOND, x, v)
         session.add_wrench(stamp + 1000 * MILLISECOND, F)
-    assert sum(judged) == len(CHECKS) and max(judged) <= 3
+        counts.append(len(names) - before)
+    return counts
+
+
+def test_checks_are_judged_one_after_the_other() -> None:
+    session, _ = fed(HEALTHY[:250])
+    counts = judged(session, HEALTHY[250:300])
+    assert sum(counts) == len(CHECKS) and max(counts) == 1
+
+
+@pytest.mark.parametrize('blocks, judgements', [(12, 4), (32, 2)])
+def test_checks_that_find_nothing_for_long_are_judged_less_often(
+    blocks: int, judgements: int
+) -> None:
+    noise = np.random.default_rng(0).normal(0.0, 0.5, 250 * (blocks + 8)).tolist()
+    free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
+    session, _ = fed(free[:250 * blocks])
+    assert sum(judged(session, free[250 * blocks:])) == judgements * len(CHECKS)
 
 
 def test_noise_far_above_the_configured_one_is_named() -> None:
@@ -499,7 +518,7 @@ def test_ten_milliseconds_are_told_beside_a_noisy_velocity(lag_s: float) -> None
 
 @pytest.mark.parametrize('level', [20.0, 2.0, -2.0])
 def test_an_offset_of_the_sensor_is_told_before_the_first_touch(level: float) -> None:
-    noise = np.random.default_rng(0).normal(level, 0.6, 260)
+    noise = np.random.default_rng(0).normal(level, 0.6, 280)
     flight = [ContactSample(2 * MILLISECOND * k, -0.02 + 1e-5 * k, 0.005, force)
               for k, force in enumerate(noise.tolist())]
     session, _ = fed(flight)

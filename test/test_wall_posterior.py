@@ -143,7 +143,11 @@ def test_kernels_leave_of_white_noise_what_they_say(rate: float) -> None:
 # -- contact ------------------------------------------------------------------------------------
 
 def judged(contact_filter: ContactFilter, forces: Array, x: float = -1.0) -> list[int]:
-    return [contact_filter.take(2e-3, force, x, nan, nan) for force in forces.tolist()]
+    states = []
+    for force in forces.tolist():
+        contact_filter.take((2e-3,), (force,), (x,), nan, nan)
+        states.append(contact_filter.state)
+    return states
 
 
 def started(draw: np.random.Generator, noise: float = 0.5) -> ContactFilter:
@@ -226,7 +230,7 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
         found.append(posterior.known.stiffness)
     settled = np.abs(np.array(found) - 2.0 * K) < 0.1 * 2.0 * K
     assert settled[before.t > at + 0.2].all()
-    assert posterior.changes >= 1
+    assert posterior.wall.changes >= 1
     assert np.all(np.abs(np.array(found)[(before.t > 1.5) & (before.t < at)] - K) < 0.02 * K)
 
 
@@ -272,7 +276,7 @@ def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     samples = contact(law, shaken=0.003, wall=wall)
     posterior = fed(samples, WallPosterior(0.0, 2e-3, NO_LAG))
     assert posterior.known.laws[LAWS.index(name)] > 0.5
-    assert posterior.law == name
+    assert posterior.wall.law == name
     assert sum(posterior.known.laws) == pytest.approx(1.0)
 
 
@@ -296,8 +300,8 @@ def test_lag_of_the_sensor_is_learned(pole_s: float, delay_s: float) -> None:
         spring_damper(K, 250.0), 4.0, shaken=0.003, pole_s=pole_s, delay_s=delay_s))
     known = posterior.known
     assert within(known.damping, 250.0, known.damping_std)
-    assert within(posterior.lag.lag[0], 1e-3, posterior.lag.lag[1])
-    assert posterior.lag.lag[1] < 0.5e-3
+    assert within(posterior.wall.lag.lag[0], 1e-3, posterior.wall.lag.lag[1])
+    assert posterior.wall.lag.lag[1] < 0.5e-3
 
 
 @pytest.mark.parametrize('rate', [
@@ -330,7 +334,8 @@ def test_short_taps_add_up() -> None:
     few, many = fed(taps(2)).known, fed(taps(10)).known
     assert many.stiffness == pytest.approx(K, rel=0.1)
     assert within(many.stiffness, K, many.stiffness_std)
-    assert not few.stiffness_std < many.stiffness_std
+    assert many.damping_std < 0.5 * few.damping_std
+    assert many.stiffness_std < 1.2 * few.stiffness_std  # limited by the surface
 
 
 # -- what must not enter ------------------------------------------------------------------------

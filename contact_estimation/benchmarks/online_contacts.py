@@ -28,7 +28,6 @@ from .online_row import (
     drawn_sensor,
     drawn_wall,
     EXACT,
-    log_uniform,
     presses,
     Row,
     spread,
@@ -46,6 +45,7 @@ from .online_trace import (
     Trace,
 )
 from .online_worlds import simulate, World
+from ..physics.random_strength import log_uniform
 
 _ADVICE = {'surface_unchecked'}  # checks that advise where nothing is wrong
 _MEMORIES = 'no effect told', 'force_lag told', 'tool_inertia told'

@@ -26,7 +26,6 @@ from .online_row import (
     drawn_sensor,
     drawn_wall,
     GAP,
-    log_uniform,
     presses,
     Row,
     spread,
@@ -36,6 +35,7 @@ from .online_row import (
 )
 from .online_trace import BAND, in_contact, sample_at, Score, score, Trace
 from .online_worlds import simulate, World
+from ..physics.random_strength import log_uniform
 
 _SLOW_FORCE, _SIGMAS = 20.0, 8.0  # [N], of the noise: what a slow touch must reach
 _SLOWEST = 1.0  # rise of the force, or a world lasts for minutes [N/s]

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import exp, log, nan
+from math import nan
 from typing import Any, Callable, NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ import numpy as np
 from .online_paths import Piece, ramp, sines, start
 from .online_trace import follow, Score, Trace
 from .online_worlds import Sensor, Wall, World
+from ..physics.random_strength import log_uniform
 
 GAP = 5e-3
 """Of the tool from the wall in free flight [m]."""
@@ -64,11 +65,6 @@ class Row(NamedTuple):
         """Make, follow and score one world."""
         world = self.make(draw, index)
         return self.score(world, follow(world))
-
-
-def log_uniform(draw: np.random.Generator, low: float, high: float) -> float:
-    """Return a number whose logarithm is uniform."""
-    return low * exp(draw.uniform(0.0, log(high / low)))
 
 
 def spread(index: int, low: float = 300.0, high: float = 3e4) -> float:

@@ -27,7 +27,6 @@ from .online_row import (
     AS_TOLD,
     drawn_sensor,
     drawn_wall,
-    log_uniform,
     presses,
     Row,
     told,
@@ -35,6 +34,7 @@ from .online_row import (
 )
 from .online_trace import law_families, Score, score, settled_instants, Trace
 from .online_worlds import simulate, World
+from ..physics.random_strength import log_uniform
 
 _LAW_AFTER_S = 3.0
 _PRESS = 40.0  # [N]

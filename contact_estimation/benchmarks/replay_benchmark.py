@@ -26,11 +26,12 @@ from typing import Any
 from .long_recording import write_long_recording
 from .table import print_table
 from .timed_process import Cost, run_timed
+from ..estimators import MULTIPLE_MODEL
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
 
 _REFERENCE = 'rosbags deserialise'
-_ESTIMATORS = ('indirect_adaptive', 'rls')
+_ESTIMATORS = (MULTIPLE_MODEL, 'indirect_adaptive', 'rls')
 
 
 def run_replay_benchmark(

@@ -22,7 +22,7 @@ all estimators get the same data and no reference law helps or harms them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log, pi
+from math import pi
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
 from ..estimators.environment_parameters import EnvironmentParameters
+from ..physics.random_strength import log_uniform
 from ..signals.contact_sample import ContactSample
 from ..signals.synchronisation import SynchronisationParameters, Synchroniser
 
@@ -227,9 +228,9 @@ def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:
     draw = np.random.default_rng([seed, key, index])
     excited = index % 2 == 0 if scenario.excited is None else scenario.excited
     K = SOFTEST * (STIFFEST / SOFTEST) ** ((index + draw.uniform()) / count)
-    seconds = _log_uniform(draw, 2e-3, 5e-2)  # B_e / K_e
+    seconds = log_uniform(draw, 2e-3, 5e-2)  # B_e / K_e
     path = _path(scenario, K, seconds, excited, draw)
-    sensor = Sensor(draw.uniform(100.0, 300.0), _log_uniform(draw, 0.1, 0.5), index % 4 < 2,
+    sensor = Sensor(draw.uniform(100.0, 300.0), log_uniform(draw, 0.1, 0.5), index % 4 < 2,
                     int(draw.integers(1, 3)))
     off = scenario.location_std * float(np.clip(draw.standard_normal(), -_FARTHEST, _FARTHEST))
     law = scenario.pressing or _spring_and_damper
@@ -238,10 +239,6 @@ def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:
     t = np.array([sample.stamp_ns for sample in samples]) * 1e-9
     return World(scenario, samples, t, np.interp(t, path.t, path.stiffness),
                  np.interp(t, path.t, path.damping), path.contacts, sensor)
-
-
-def _log_uniform(draw: np.random.Generator, low: float, high: float) -> float:
-    return low * float(np.exp(draw.uniform(0.0, log(high / low))))
 
 
 def _path(

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.random import Generator
 
 from .experiments import draw_experiment, Stage
+from ..physics.random_strength import log_uniform
 from ..plant.plant_parameters import RobotParameters, WallParameters
 from ..reference.experiment import Experiment
 
@@ -122,34 +123,34 @@ def draw_world(rng: Generator) -> RandomWorld:
 
     """
     wall = WallParameters(
-        stiffness=_round(_log_uniform(rng, 1200.0, 16000.0)),
-        damping=_round(_log_uniform(rng, 20.0, 280.0)),
+        stiffness=_round(log_uniform(rng, 1200.0, 16000.0)),
+        damping=_round(log_uniform(rng, 20.0, 280.0)),
         location=0.0 if _coin(rng, 0.5) else round(float(rng.uniform(-0.03, 0.03)), 6),
     )
     robot = _draw_robot(rng)
-    depth = float(np.clip(_log_uniform(rng, 45.0, 160.0) / wall.stiffness, 0.006, 0.06))
+    depth = float(np.clip(log_uniform(rng, 45.0, 160.0) / wall.stiffness, 0.006, 0.06))
     stage = Stage(wall.location, wall.location - float(rng.uniform(0.01, 0.025)),
                   depth * (1.0 + wall.stiffness / robot.stiffness))
     return RandomWorld(wall, robot, _draw_sensors(rng), draw_experiment(stage, rng), depth)
 
 
 def _draw_robot(rng: Generator) -> RobotParameters:
-    mass = _log_uniform(rng, 9.0, 50.0)
-    stiffness = _log_uniform(rng, 1200.0, 16000.0)
+    mass = log_uniform(rng, 9.0, 50.0)
+    stiffness = log_uniform(rng, 1200.0, 16000.0)
     damping = 2.0 * rng.uniform(0.8, 1.2) * sqrt(mass * stiffness)
     return RobotParameters(mass=_round(mass), damping=_round(damping), stiffness=_round(stiffness))
 
 
 def _draw_sensors(rng: Generator) -> SensorModel:
-    noise = _log_uniform(rng, 0.16, 0.8)
+    noise = log_uniform(rng, 0.16, 0.8)
     return SensorModel(
         rate=float(rng.choice([250.0, 500.0, 1000.0], p=[0.07, 0.86, 0.07])),
         force_noise=_round(noise),
-        position_noise=_round(_log_uniform(rng, 1.5e-6, 6e-6)),
+        position_noise=_round(log_uniform(rng, 1.5e-6, 6e-6)),
         distribution='uniform' if _coin(rng, 0.2) else 'normal',
         force_step=_round(rng.uniform(0.1, 0.6) * noise) if _coin(rng, 0.4) else 0.0,
         position_step=float(rng.choice([0.0, 1e-6, 2e-6, 5e-6])),
-        velocity_noise=None if _coin(rng, 0.25) else _round(_log_uniform(rng, 1e-4, 1e-3)),
+        velocity_noise=None if _coin(rng, 0.25) else _round(log_uniform(rng, 1e-4, 1e-3)),
         low_pass=_round(rng.uniform(100.0, 200.0)) if _coin(rng, 0.25) else 0.0,
         jitter=_round(rng.uniform(1e-5, 5e-5)) if _coin(rng, 0.5) else 0.0,
         joint_phase=round(float(rng.uniform(0.0, 1.0)), 3) if _coin(rng, 0.25) else 0.0,
@@ -186,10 +187,6 @@ def draw_nominal_wall(wall: WallParameters, rng: Generator, exact: float) -> Wal
 
 def _coin(rng: Generator, probability: float) -> bool:
     return bool(rng.uniform() < probability)
-
-
-def _log_uniform(rng: Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def _round(value: float) -> float:

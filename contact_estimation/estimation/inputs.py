@@ -156,11 +156,10 @@ class MessageInputs:
             return None
         stamps_ns, *components = forces
         columns = [self._sign * components[column] for column in self._columns]
-        self._wrenches.extend(zip(stamps_ns.tolist(), *(c.tolist() for c in components)))
+        self._wrenches.extend(stamps_ns, *components)
         estimates = self._session.add_pairs(stamps_ns, columns, *motions[1:])
         if estimates is None:
-            for _ in wrenches:
-                self._wrenches.pop()
+            self._wrenches.drop(len(wrenches))
         return estimates
 
     def _accepts(self, stamp_ns: int, frame_id: str) -> bool:

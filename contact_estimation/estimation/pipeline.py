@@ -19,6 +19,9 @@ from __future__ import annotations
 from math import nan, sqrt
 from typing import Iterable, Mapping
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .checks.check import millimetres
 from .first_touch import FirstTouch
 from .model_fit import ModelFitMonitor
@@ -28,7 +31,8 @@ from .row_estimation import RowEstimation
 from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.multiple_model import CONTACT, FREE, LAWS, told_lag, WallPosterior
+from ..estimators.multiple_model import (
+    CONTACT, FREE, Knowledge, LAWS, told_lag, WallPosterior)
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
@@ -36,6 +40,7 @@ from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
 
+Array = NDArray[np.float64]
 NO_REFERENCE = Reference(nan, nan, nan)
 _FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
@@ -71,6 +76,8 @@ class EstimationPipeline:
         Whether a law of the contact fits.
     location : float
         x_e as configured, or as found at the first touch [m]; NaN before.
+    location_margin : float
+        How far from its location the surface may be [m].
     invalid : str
         Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
@@ -79,6 +86,7 @@ class EstimationPipeline:
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
         self.invalid = ''
+        self._missing = 0  # before the present posterior
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
         self._robot = with_joints(p.robot, p.physics)
@@ -91,25 +99,33 @@ class EstimationPipeline:
         p = self.parameters
         environment = p.environment
         self.location = environment.location
+        self.location_margin = max(_MARGIN * environment.location_std, _LEAST_MARGIN)
         self.posterior = WallPosterior(
             environment.location, environment.location_std,
             told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
+        self._noted: Knowledge | None = None
+        self._held_of: Knowledge | None = None
+        # An estimate stays the same until hypotheses are weighed or the state of contact changes.
+        self._now: Knowledge | None = None
+        self._same: tuple[int, str, float] | None = None
+        self._published: tuple[object, ...] = ()
         self._of_rows = self._row_estimation()
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
-        self.posterior.inertia = self._compensation.inertia
+        self.posterior.wall.inertia = self._compensation.inertia
         self._await_touch()
 
     def _begin_anew(self) -> None:
         """Begin with the noise and the level of the force as known."""
-        before = self.posterior.contact
+        before, self._missing = self.posterior.contact, self.missing
         self._begin()
         self.posterior.keep(before)
 
     def _row_estimation(self) -> RowEstimation | None:
         p = self.parameters
+        self.posterior.wall.rhythm.followed = p.estimator != MULTIPLE_MODEL
         return RowEstimation(p, self.posterior) if p.estimator != MULTIPLE_MODEL else None
 
     def _await_touch(self) -> None:
@@ -145,7 +161,7 @@ class EstimationPipeline:
 
         """
         effects_that_are_on(parameters.physics)  # the only stage that can refuse
-        old, self.parameters = self.parameters, parameters
+        old, self.parameters, self._same = self.parameters, parameters, None
 
         def differs(*names: str) -> bool:  # NaN is not equal to itself
             return any(repr(getattr(parameters, name)) != repr(getattr(old, name))
@@ -220,7 +236,7 @@ class EstimationPipeline:
     @property
     def missing(self) -> int:
         """Return the number of samples missing, from the spacing of the stamps."""
-        return self._conditioner.missing
+        return self._missing + self.posterior.blocks.missing
 
     @property
     def outliers(self) -> int:
@@ -229,13 +245,8 @@ class EstimationPipeline:
 
     @property
     def sample_period_s(self) -> float:
-        """Mean spacing of the last stamps [s]; 0 before any."""
-        return self._conditioner.sample_period_s
-
-    @property
-    def location_margin(self) -> float:
-        """How far from its location the surface may be [m]."""
-        return max(_MARGIN * self.parameters.environment.location_std, _LEAST_MARGIN)
+        """Mean spacing of the stamps [s]; 0 before 20 of them."""
+        return self.posterior.period_s
 
     @property
     def location_shift(self) -> float:
@@ -347,8 +358,8 @@ class EstimationPipeline:
         if self._first_ns is None:
             self._first_ns = stamp_ns
         t = (stamp_ns - self._first_ns) * 1e-9
-        location, posterior = self.location, self.posterior
-        dt, pressing, known = self._conditioner.take(sample, location)
+        location, posterior, conditioner = self.location, self.posterior, self._conditioner
+        dt, pressing, known = conditioner.take(sample, location)
         shift = 0.0
         if known is None:
             state = posterior.take(t, pressing, x, v)
@@ -359,31 +370,112 @@ class EstimationPipeline:
                 known = self._follow_release(dt, x, v, known)
             state, pressing = self._take_known(t, x, shift, known), known.pressing
         if state == CONTACT:
-            self._conditioner.note_contact()
+            conditioner.note_contact()
         elif not x > location - self.location_margin:
-            self._conditioner.note_free(pressing)
+            conditioner.note_free(pressing)
         if location != location:
             self._locate(state, dt, x, v, pressing)
+        if known is None and self._of_rows is None:
+            return new_tuple(Estimate, (stamp_ns, *self._of_posterior(stamp_ns, state)))
+        self._same = None
+        self._note_fit(stamp_ns, state)
         if self._of_rows is not None:
             own, status, reason = self._by_rows(
                 dt, sample, shift, pressing, known, state, reference)
         else:
             own, status, reason = self._by_posterior(state)
+        if known is not None and known.hindrance and state == CONTACT:
+            status, reason = _FROZEN, known.hindrance
+        return new_tuple(Estimate, (stamp_ns, *self._published_of(own, status, reason, shift)))
+
+    def take_many(
+        self, stamps_ns: NDArray[np.int64], x: Array, v: Array, force: Array
+    ) -> list[Estimate]:
+        """
+        Process consecutive samples as `take` does one by one without a reference.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns].
+        x, v, force : ndarray, shape (N,)
+            Position [m], its rate, NaN where not measured [m/s], and F_e [N].
+
+        Returns
+        -------
+        estimates : list of Estimate
+            After each sample.
+
+        """
+        estimates: list[Estimate] = []
+        if self._one_by_one:
+            columns = (column.tolist() for column in (stamps_ns, x, v, force))
+            for sample in map(ContactSample, *columns):
+                estimates.append(self.take(sample))
+                if not self._one_by_one:
+                    break
+        done = len(estimates)
+        if done < len(x):
+            estimates += self._run(stamps_ns[done:], x[done:], v[done:], force[done:])
+        return estimates
+
+    @property
+    def _one_by_one(self) -> bool:
+        """Return whether a stage needs samples one at a time: rows, known physics, first touch."""
+        return (self._of_rows is not None or self._conditioner.compensation is not None
+                or self.location != self.location)
+
+    def _run(
+        self, stamps_ns: NDArray[np.int64], x: Array, v: Array, force: Array
+    ) -> list[Estimate]:
+        """Let the posterior take samples at once; it alone makes the estimate."""
+        stamps, conditioner = stamps_ns.tolist(), self._conditioner
+        if self._first_ns is None:
+            self._first_ns = stamps[0]
+        pressing = conditioner.take_many(stamps_ns, x, force)
+        outside = np.logical_not(x > self.location - self.location_margin)
+        estimates: list[Estimate] = []
+        t, begin = (stamps_ns - self._first_ns) * 1e-9, 0
+        for end, state in self.posterior.run(t, pressing, x, v):
+            if state == CONTACT:
+                conditioner.note_contact()
+            else:
+                conditioner.note_free(*pressing[begin:end][outside[begin:end]].tolist())
+            published = self._of_posterior(stamps[begin], state)
+            estimates += [new_tuple(Estimate, (stamp, *published)) for stamp in stamps[begin:end]]
+            begin = end
+        return estimates
+
+    def _of_posterior(self, stamp_ns: int, state: int) -> tuple[object, ...]:
+        """Return what an estimate publishes: the same until knowledge or contact change."""
+        now, same = self.posterior.known, (state, self.invalid, self.location)
+        if now is not self._now or same != self._same:
+            self._now, self._same = now, same
+            self._note_fit(stamp_ns, state)
+            self._published = self._published_of(*self._by_posterior(state), 0.0)
+        return self._published
+
+    def _note_fit(self, stamp_ns: int, state: int) -> None:
+        """Let the monitor judge the fit of what is known anew."""
+        now = self.posterior.known
+        if now is not self._noted and state == CONTACT:
+            self._noted = now
+            if now.fit == now.fit:
+                self.model_fit.note(now.fit, self.posterior.wall.law, stamp_ns)
+
+    def _published_of(
+        self, own: ParameterEstimate, status: EstimateStatus, reason: str, shift: float
+    ) -> tuple[object, ...]:
+        """Return the fields of an estimate after the stamp."""
         if self._robot.compliance or self._robot.compliance_std:
             own = of_the_wall(own, self._robot)
         K, B, K_std, B_std, _, inertia = own
-        if known is not None and known.hindrance and state == CONTACT:
-            status, reason = _FROZEN, known.hindrance
         if self.invalid:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
-        now = posterior.known
-        if state == CONTACT and now.fit == now.fit:
-            self.model_fit.note(now.fit, posterior.law, stamp_ns)
-        surface = (now.surface if now.valid else location) + shift
-        return new_tuple(Estimate, (
-            stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
-            self.model_fit.now.ratio))
+        now = self.posterior.known
+        surface = (now.surface if now.valid else self.location) + shift
+        return K, B, K_std, B_std, surface, inertia, status, reason, self.model_fit.now.ratio
 
     def _locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
         """Take the surface that the first touch shows."""
@@ -427,14 +519,16 @@ class EstimationPipeline:
         return pressing - self.free_flight_level > _PRESSES * self.noise_std
 
     def _by_posterior(self, state: int) -> tuple[ParameterEstimate, EstimateStatus, str]:
-        now, p = self.posterior.known, self.parameters
-        if now.valid:
-            low, high, most = p.environment.limits
-            self._held = ParameterEstimate(
-                min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
-                now.stiffness_std, now.damping_std, 0.0, now.inertia)
-        elif self._held.stiffness_std == self._held.stiffness_std:
-            self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
+        now = self.posterior.known
+        if now is not self._held_of:
+            self._held_of = now
+            if now.valid:
+                low, high, most = self.parameters.environment.limits
+                self._held = ParameterEstimate(
+                    min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
+                    now.stiffness_std, now.damping_std, 0.0, now.inertia)
+            else:
+                self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
         if state == CONTACT:
             if now.valid:
                 return self._held, _ESTIMATING, ''

@@ -222,7 +222,8 @@ class RecordingReplay:
         if count and self._late and self._late.end_together(messages):
             paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
             if paired is not None:
-                self._left_over = self._unpaired(messages, count)
+                self._left_over = _last(
+                    messages, wrench, len(wrenches) > count, len(messages) - 2 * count)
                 return estimates + paired if estimates else paired
         return estimates + self._process_one_by_one(self._ordered(messages))
 
@@ -240,21 +241,21 @@ class RecordingReplay:
             taken += 1
         return estimates, messages[taken:]
 
-    def _unpaired(
-        self, messages: list[RecordedMessage], count: int
-    ) -> list[RecordedMessage]:
-        """Return the messages whose partners are in the next batch."""
-        left: list[RecordedMessage] = []
-        taken = {True: 0, False: 0}
-        for message in messages:
-            is_wrench = message.topic == self._source.wrench
-            taken[is_wrench] += 1
-            if taken[is_wrench] > count:
-                left.append(message)
-        return left
-
     def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[AxesEstimates]:
         estimates: list[AxesEstimates] = []
         for topic, _, data in messages:
             estimates += [result.estimates for result in self._process_of[topic](data)]
         return estimates
+
+
+def _last(
+    messages: list[RecordedMessage], topic: str, of_it: bool, count: int
+) -> list[RecordedMessage]:
+    """Return the last messages of a topic, or of all others: those without a partner."""
+    found: list[RecordedMessage] = []
+    for message in reversed(messages):
+        if len(found) == count:
+            break
+        if (message[0] == topic) is of_it:
+            found.append(message)
+    return found[::-1]

@@ -70,7 +70,7 @@ class RowEstimation:
             self.estimator.relation, conditioning.cutoff_frequency, p.sample_rate)
         self._rate = ButterworthBank(1, conditioning.cutoff_frequency, p.sample_rate)
         self._last_x = nan
-        self._changes = posterior.changes
+        self._changes = posterior.wall.changes
         self._updated = self._touched = False
         self._shift = 0.0
 
@@ -148,7 +148,7 @@ class RowEstimation:
             return self._published(), _FROZEN, _REASONS[frozen]
         longest = 2.0 / self._p.sample_rate  # never integrate over a gap
         (estimate,) = self.estimator.update(
-            ((min(dt, longest), row),), posterior.variance_of(pressing), frozen)
+            ((min(dt, longest), row),), posterior.wall.variance_of(pressing), frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
             return self._published(), _FROZEN, 'not finite; reset to the initial values'
@@ -167,8 +167,8 @@ class RowEstimation:
     def _follow_changes(self) -> None:
         """Restart at the wall that the posterior has found after a change."""
         posterior = self._posterior
-        if posterior.changes != self._changes:
-            self._changes = posterior.changes
+        if posterior.wall.changes != self._changes:
+            self._changes = posterior.wall.changes
             now, estimator = posterior.known, self.estimator
             off = abs(estimator.stiffness - now.stiffness)
             if (self._p.tracking.restarts and estimator.may_restart and now.valid
@@ -178,7 +178,8 @@ class RowEstimation:
 
     def _frozen(self) -> Frozen:
         """Freeze what the last second could determine only poorly."""
-        limit, (K_std, B_std) = self._p.excitation.maximum_relative_std, self._posterior.excitation
+        limit = self._p.excitation.maximum_relative_std
+        K_std, B_std = self._posterior.wall.excitation
         return Frozen(min(K_std, _NEVER) > limit, min(B_std, _NEVER) > limit)
 
     def _published(self) -> ParameterEstimate:

@@ -33,9 +33,11 @@ from ..estimators.estimate import new_tuple
 from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
-from ..signals.contact_sample import AxesSample
+from ..signals.contact_sample import AxesSample, ContactSample
 from ..signals.stamp_screen import BEFORE_ANY
 from ..signals.synchronisation import Columns, Synchroniser
+
+_FEW = 4  # samples that are not worth arrays
 
 
 class ContactSession:
@@ -190,7 +192,7 @@ class ContactSession:
             One for each sample completed by this joint state.
 
         """
-        self.checks.joint_stamps.append(stamp_ns)
+        self.checks.joint_stamps.append((stamp_ns,))
         samples = self._synchroniser.add_motion(stamp_ns, motion)
         return self._process(samples) if samples else []
 
@@ -215,15 +217,49 @@ class ContactSession:
         """
         if self._generates or self._synchroniser.jumped:
             return None
-        samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
-        if samples is None:
+        if not self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities):
             return None
-        self.checks.joint_stamps.extend(stamps_ns.tolist())
-        estimates = []
-        for axes in samples:
+        self.checks.joint_stamps.extend(stamps_ns)
+        estimates: list[AxesEstimates] = []
+        columns = list(zip(positions, velocities, forces))
+        begin, count = 0, len(stamps_ns)
+        while begin < count:
             if self._references or self._actions:
-                self._apply_due(axes[0][0])
-            estimates.append(self._estimate(axes))
+                self._apply_due(int(stamps_ns[begin]))
+            end = min(count, begin + self.checks.room, self._next_due(stamps_ns))
+            if end - begin < _FEW or self._follows_reference or self.matrix.runs:
+                end = begin + 1
+                one = stamps_ns[begin].item()
+                estimates.append(self._estimate(tuple(
+                    ContactSample(one, *(column[begin].item() for column in own))
+                    for own in columns)))
+            else:
+                part = slice(begin, end)
+                estimates += self._estimate_many(
+                    stamps_ns[part], [[column[part] for column in own] for own in columns])
+            begin = end
+        return estimates
+
+    def _next_due(self, stamps_ns: NDArray[np.int64]) -> int:
+        """Return the first sample before which an action or a reference is due."""
+        begins = [len(stamps_ns)]
+        for waiting, after in ((self._actions, 1), (self._references, 0)):
+            if waiting and waiting[0][0][0] == self._jumps:
+                due_ns = waiting[0][0][1] + after
+                begins.append(int(np.searchsorted(stamps_ns, due_ns)))
+        return min(begins)
+
+    def _estimate_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Columns]
+    ) -> list[AxesEstimates]:
+        """Estimate from samples during which nothing is due, of each axis for itself."""
+        found = [pipeline.take_many(stamps_ns, *own)
+                 for pipeline, own in zip(self.pipelines.values(), columns)]
+        estimates: list[AxesEstimates] = list(zip(*found))
+        self.last_stamp_ns = stamps_ns[-1].item()
+        self.last_position, _, self.last_force = (column[-1].item() for column in columns[0])
+        self.estimates = estimates[-1]
+        self.checks.add_many(stamps_ns, columns, found)
         return estimates
 
     def count_rejected(self, reason: str, text: str = '') -> None:
@@ -271,11 +307,7 @@ class ContactSession:
         if len(axes) > 1:
             estimates += tuple(map(EstimationPipeline.take, self._further, axes[1:]))
         self.estimates = estimates
-        checks = self.checks
-        checks.samples.append(axes)
-        checks.estimates.append(estimates)
-        if len(checks.samples) >= checks.due:
-            checks.judge(sample[0])
+        self.checks.add(axes, estimates)
         if self.matrix.runs:
             self.matrix.process(axes, estimates)
         return estimates

@@ -219,11 +219,11 @@ class EstimatorDiagnostics:
             'position': f'{session.last_position:.6g}',
             'contact_probability': f'{pipeline.posterior.contact.probability:.3f}',
             'wall_law': laws_in_words(pipeline.posterior.known.laws),
-            'wall_changes': pipeline.posterior.changes,
+            'wall_changes': pipeline.posterior.wall.changes,
             **{f'excitation_{name}_std': f'{std:.3g}' for name, std in zip(
-                ('stiffness', 'damping'), pipeline.posterior.excitation)},
+                ('stiffness', 'damping'), pipeline.posterior.wall.excitation)},
             'force_lag_ms': '{:.2f} +- {:.2f}'.format(
-                *(1e3 * s for s in pipeline.posterior.lag.lag)),
+                *(1e3 * s for s in pipeline.posterior.wall.lag.lag)),
             'force_noise_std': f'{pipeline.noise_std:.6g}',
             'force_bias': f'{pipeline.bias:.6g}',
             'free_flight_level': f'{pipeline.free_flight_level:.6g}',

@@ -20,12 +20,15 @@ from collections import deque
 from dataclasses import dataclass
 from math import nan
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .compensated_sample import CompensatedSample, SampleCompensation
 from .contact_sample import ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
+Array = NDArray[np.float64]
 _TARE_S = 0.5
-_PERIOD_GAIN = 0.01  # of the mean sample period
 
 
 @dataclass(frozen=True)
@@ -60,18 +63,13 @@ class Conditioner:
     ----------
     bias : float
         Force that is subtracted from the measured F_e [N].
-    missing : int
-        Samples missing, from the spacing of the stamps.
-    sample_period_s : float
-        Mean spacing of the last stamps [s]; 0 before any.
     compensation : SampleCompensation or None
         Of the known physics.
 
     """
 
     def __init__(self, sample_rate: float) -> None:
-        self.bias = self.sample_period_s = 0.0
-        self.missing = 0
+        self.bias = 0.0
         self.compensation: SampleCompensation | None = None
         self.configure(sample_rate)
 
@@ -109,21 +107,36 @@ class Conditioner:
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
         dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
-        mean = self.sample_period_s
-        usual = mean or self._T
-        if dt > 1.5 * usual:
-            self.missing += round(dt / usual) - 1
-        self.sample_period_s = mean + _PERIOD_GAIN * (dt - mean) if mean else dt
         pressing = self.bias - force
         if self.compensation is None:
             return dt, pressing, None
         return dt, pressing, self.compensation.take(sample, location, pressing)
 
+    def take_many(self, stamps_ns: NDArray[np.int64], x: Array, force: Array) -> Array:
+        """
+        Condition consecutive samples where no physics is known.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns].
+        x, force : ndarray, shape (N,)
+            Position [m] and F_e [N].
+
+        Returns
+        -------
+        pressing : ndarray, shape (N,)
+            -F_e less the bias [N].
+
+        """
+        self._last_ns, self._position = int(stamps_ns[-1]), float(x[-1])
+        return self.bias - force
+
     # -- tare -------------------------------------------------------------------------------
 
-    def note_free(self, pressing: float) -> None:
-        """Keep a force of free flight [N]."""
-        self._free.append(pressing)
+    def note_free(self, *pressing: float) -> None:
+        """Keep forces of free flight [N]."""
+        self._free.extend(pressing)
 
     def note_contact(self) -> None:
         """Forget the free flight."""

@@ -240,11 +240,11 @@ class Synchroniser:
     def add_pairs(
         self, stamps_ns: NDArray[np.int64], forces: Columns, positions: Columns,
         velocities: Columns,
-    ) -> list[AxesSample] | None:
+    ) -> bool:
         """
         Add wrenches and joint states that have the same stamps, many at once.
 
-        Returns what `add_wrench` and `add_motion` would return one by one, or refuses.
+        They are the samples that `add_wrench` and `add_motion` would return one by one.
 
         Parameters
         ----------
@@ -255,8 +255,8 @@ class Synchroniser:
 
         Returns
         -------
-        samples : list of AxesSample or None
-            None where stamps or values are irregular and must be added one by one.
+        regular : bool
+            False where stamps or values are irregular, and must be added one by one.
 
         """
         last, steps = max(self.newest_ns), np.diff(stamps_ns)
@@ -270,20 +270,15 @@ class Synchroniser:
             and all(bool((np.abs(x) <= self._largest_position).all()) for x in positions)
             and not any(bool((np.abs(v) > self._largest_velocity).any()) for v in velocities)
         )
-        if not regular:
-            return None
-        stamps = stamps_ns.tolist()
-        samples: list[AxesSample] = list(zip(*(
-            map(ContactSample, stamps, *(column.tolist() for column in columns))
-            for columns in zip(positions, velocities, forces)
-        )))
-        self._wrench_screen.before_ns, self._motion_screen.before_ns = (
-            (stamps[-2],) * 2 if len(stamps) > 1 else self.newest_ns)
-        self._last_wrench_ns = self._last_motion_ns = stamps[-1]
-        self._motions.clear()
-        positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))
-        self._motions.append((stamps[-1], positions_now + velocities_now))
-        return samples
+        if regular:
+            before = int(stamps_ns[-2]) if len(stamps_ns) > 1 else None
+            self._wrench_screen.before_ns, self._motion_screen.before_ns = (
+                self.newest_ns if before is None else (before, before))
+            self._last_wrench_ns = self._last_motion_ns = int(stamps_ns[-1])
+            self._motions.clear()
+            self._motions.append((int(stamps_ns[-1]), tuple(
+                float(column[-1]) for column in (*positions, *velocities))))
+        return regular
 
     def _checked(self, motion: Sequence[float]) -> Sequence[float] | None:
         """Return a motion with NaN for an infinite velocity; None where it is rejected."""

@@ -20,7 +20,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, inf
-from typing import Any, ClassVar, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, ClassVar, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -304,6 +304,9 @@ class Check(ABC):
         Whether the state of the pipeline alone decides, at any time.
     confirmations : int
         Judgements in a row that find it before it is reported.
+    stages : tuple of callable
+        What takes long of a judgement, each done after a sample of its own, before `judge`; they
+        keep what they find in the evidence.
 
     """
 
@@ -314,6 +317,7 @@ class Check(ABC):
     invalidates: ClassVar[bool] = False
     of_state: ClassVar[bool] = False
     confirmations: ClassVar[int] = 1
+    stages: ClassVar[tuple[Callable[[Evidence], object], ...]] = ()
 
     @abstractmethod
     def judge(self, seen: Evidence) -> str | None:

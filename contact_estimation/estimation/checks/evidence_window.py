@@ -16,23 +16,78 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import deque
-from itertools import chain
 from math import inf, nan
-from typing import Any, Mapping, Sequence
+from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .check import Array, bias_of, BLOCKS, Evidence, Forces
 from ..parameters import EstimationParameters
-from ..result import AxesEstimates
-from ...estimators.estimate import EstimateStatus
-from ...signals.contact_sample import AxesSample
+from ...estimators.estimate import Estimate, EstimateStatus
 
 _BLOCK_S = 0.5
 _LEAST_BLOCK = 25  # samples
 _KEPT = 50_000  # wrenches and joint stamps while no sample comes
-_FREE = EstimateStatus.FREE  # an enumeration takes long to look up
+FREE = EstimateStatus.FREE
+"""An enumeration takes long to look up."""
+
+
+class Pending:
+    """
+    Rows of numbers that wait for their block.
+
+    Parameters
+    ----------
+    width : int
+        Numbers a row; the first is a stamp [ns].
+
+    Attributes
+    ----------
+    numbers : array of float
+        Row by row.
+
+    """
+
+    def __init__(self, width: int) -> None:
+        self._width, self.numbers = width, array('d')
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.numbers) // self._width
+
+    def append(self, row: Iterable[float]) -> None:
+        """Add a row."""
+        self.numbers.extend(row)
+        if len(self.numbers) > _KEPT * self._width:
+            del self.numbers[:_KEPT // 2 * self._width]
+
+    def extend(self, *columns: NDArray[Any]) -> None:
+        """Add many rows."""
+        self.numbers.frombytes(np.stack(columns, axis=1, dtype=float).tobytes())
+
+    def drop(self, count: int) -> None:
+        """Take back the last rows."""
+        del self.numbers[len(self.numbers) - count * self._width:]
+
+    def clear(self) -> None:
+        """Forget all rows."""
+        del self.numbers[:]
+
+    @property
+    def table(self) -> Array:
+        """Return all rows, shape (N, width)."""
+        return np.array(self.numbers).reshape(-1, self._width)
+
+    def until(self, end_ns: float) -> Array:
+        """Return and forget the rows before the first one that is stamped later."""
+        table = self.table
+        later = np.flatnonzero(table[:, 0] > end_ns)
+        count = int(later[0]) if len(later) else len(table)
+        del self.numbers[:count * self._width]
+        return table[:count]
 
 
 class EvidenceWindow:
@@ -40,12 +95,18 @@ class EvidenceWindow:
 
     def __init__(self, pipelines: Mapping[str, Any]) -> None:
         self._axes = tuple(pipelines)
-        self.joint_stamps: deque[int] = deque(maxlen=_KEPT)
-        self.wrenches: deque[tuple[int, float, float, float]] = deque(maxlen=_KEPT)
-        self.samples: list[AxesSample] = []
-        self.estimates: list[AxesEstimates] = []
+        self.joint_stamps, self.wrenches = Pending(1), Pending(4)
+        self.samples = [Pending(5) for _ in self._axes]
         self.reset()
         self.restart(0.0)
+
+    def add_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
+        estimates: Sequence[Sequence[Estimate]],
+    ) -> None:
+        """Add many samples: position, rate and force of each axis, and its estimates."""
+        for pending, own, found in zip(self.samples, columns, estimates):
+            pending.extend(stamps_ns, *own, np.array([one[7] is not FREE for one in found]))
 
     def reset(self) -> None:
         """Forget how far the axes have moved and what they have pressed with."""
@@ -62,44 +123,28 @@ class EvidenceWindow:
         self._others: deque[Array] = deque(maxlen=BLOCKS)
         self._memory: dict[str, dict[str, Any]] = {axis: {} for axis in self._axes}
         self._joint_rate, self._block_end_ns = nan, 0
-        self._start_block()
-
-    def _start_block(self) -> None:
-        self.samples.clear()
-        self.estimates.clear()
+        for pending in self.samples:
+            pending.clear()
 
     def most(self, axis: str) -> tuple[float, float]:
         """Return the greatest position [m] and pressing force [N] of an axis so far."""
-        place = self._axes.index(axis)
-        pending = [axes[place] for axes in self.samples]
-        return (max([self._travel[axis][1], *(sample[1] for sample in pending)]),
-                max([self._pressing[axis], *(-sample[3] for sample in pending)]))
+        x, _, force = self.samples[self._axes.index(axis)].table[:, 1:4].T
+        return (max([self._travel[axis][1], *x.tolist()]),
+                max([self._pressing[axis], *(-force).tolist()]))
 
     def close_block(self, end_ns: int) -> None:
         """Turn the samples of the block, which ends at a stamp, into arrays; start the next."""
-        count = len(self.samples)
-        for place, axis in enumerate(self._axes):
-            table = np.empty((5, count))  # stamp, position, rate, force, whether in contact
-            numbers = chain.from_iterable([axes[place] for axes in self.samples])
-            table[:4] = np.fromiter(numbers, float, 4 * count).reshape(count, 4).T
-            table[4] = [axes[place][7] is not _FREE for axes in self.estimates]
+        for pending, axis in zip(self.samples, self._axes):
+            table = pending.until(inf).T  # stamp, position, rate, force, whether in contact
             low, high = self._travel[axis]
             x = table[1]
             self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))
             self._pressing[axis] = max(self._pressing[axis], -float(table[3].min()))
             self._windows[axis].append(table)
-        wrenches: list[tuple[int, float, float, float]] = []
-        while self.wrenches and self.wrenches[0][0] <= end_ns:
-            wrenches.append(self.wrenches.popleft())
-        self._others.append(np.fromiter(
-            chain.from_iterable(wrenches), float, 4 * len(wrenches)).reshape(-1, 4))
-        joints = 0
-        while self.joint_stamps and self.joint_stamps[0] <= end_ns:
-            self.joint_stamps.popleft()
-            joints += 1
+        self._others.append(self.wrenches.until(end_ns))
+        joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
-        self._start_block()
 
     def evidence(
         self, axis: str, parameters: EstimationParameters, pipeline: Any,

@@ -12,24 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The checks of a session: judged twice a second, a few at a time."""
+"""The checks of a session: judged twice a second, every two seconds while all is well."""
 
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Mapping, NamedTuple, Sequence
+from functools import partial
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .check import Check, Evidence, Warned
+from .check import Array, BLOCKS, Check, Evidence, Warned
 from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
-from .evidence_window import EvidenceWindow
+from .evidence_window import EvidenceWindow, FREE
 from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
 from .force_checks import OtherAxis
 from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
 from .lag_checks import StampSkew, StampSkewOrMass
 from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps
 from ..parameters import EstimationParameters
+from ..result import AxesEstimates
+from ...estimators.estimate import Estimate
+from ...signals.contact_sample import AxesSample
 
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
@@ -40,7 +45,7 @@ CHECKS: tuple[Check, ...] = (
 )
 """Every check of an axis, in the order of importance; the first active one is the headline."""
 
-_JUDGED_TOGETHER = 3  # checks after one sample: all at once would take longer than its period
+_QUIET = 8  # judgements in a row that find nothing, from which half as many are enough
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
@@ -77,14 +82,12 @@ class InputChecks:
 
     Attributes
     ----------
-    joint_stamps : deque of int
+    joint_stamps : Pending
         Stamps of joint states to come [ns]; the session appends to it.
-    wrenches : deque of (int, float, float, float)
+    wrenches : Pending
         Stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to it.
-    samples, estimates : list of AxesSample, AxesEstimates
-        Since the last judgement of a block; the session appends to them.
     due : int
-        Number of them at which `judge` is due.
+        Number of samples of a block after which there is something to judge.
     joints, limits : sequence of float, mapping of int to (str, float, float)
         Of an arm, the last positions of its joints and, by place, names and limits of those that
         turn [rad]; the inputs set both.
@@ -99,7 +102,6 @@ class InputChecks:
         self._p, self._pipelines = parameters, pipelines
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
-        self.samples, self.estimates = self._window.samples, self._window.estimates
         self.joints: Sequence[float] = ()
         self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
@@ -119,9 +121,11 @@ class InputChecks:
     def restart(self) -> None:
         """Start a new window, as after a clock jump; warnings stay."""
         self._window.restart(self._p.sample_rate)
-        self._waiting: deque[tuple[Evidence, Sequence[Check]]] = deque()
+        # One after each sample: all at once would take longer than its period.
+        self._waiting: deque[Callable[[], object]] = deque()
         self.due = self._window.block
         self._stamp_ns = 0  # of the evidence
+        self._quiet = self._blocks = 0  # judgements that found nothing, blocks since the last one
 
     def configure(self, parameters: EstimationParameters) -> None:
         """Set new parameters; warnings that depend on them are judged afresh."""
@@ -131,30 +135,60 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def judge(self, stamp_ns: int) -> None:
+    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
+        """Add a sample; judge the next check that waits, or begin with a complete block."""
+        samples = self._window.samples
+        for pending, sample, estimate in zip(samples, axes, estimates):
+            pending.numbers.extend((*sample, estimate[7] is not FREE))
+        if len(samples[0].numbers) >= 5 * self.due:
+            self._judge_next(axes[0][0])
+
+    def add_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
+        estimates: Sequence[Sequence[Estimate]],
+    ) -> None:
         """
-        Judge some of the checks that wait, or collect the evidence of a complete block.
+        Add samples as `add` does one by one.
 
         Parameters
         ----------
-        stamp_ns : int
-            Of the last sample [ns].
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns]; N is at most `room`.
+        columns : sequence of three of ndarray, shape (N,)
+            Position [m], rate [m/s] and force [N], for each axis.
+        estimates : sequence of sequence of Estimate
+            For each axis.
 
         """
-        if self._waiting:
-            self._judge(*self._waiting.popleft())
-        else:
-            self._begin_judgement(stamp_ns)
-        self.due = len(self.samples) + 1 if self._waiting else self._window.block
+        self._window.add_many(stamps_ns, columns, estimates)
+        if not self.room:
+            self._judge_next(int(stamps_ns[-1]))
 
-    def _begin_judgement(self, stamp_ns: int) -> None:
-        self._stamp_ns = stamp_ns
-        self._window.close_block(stamp_ns)
-        for axis, pipeline in self._pipelines.items():
-            seen = self._window.evidence(axis, self._p, pipeline, self.joints, self.limits)
-            self._waiting.extend(
-                (seen, CHECKS[first:first + _JUDGED_TOGETHER])
-                for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
+    @property
+    def room(self) -> int:
+        """Return the number of samples after which there is something to judge."""
+        return max(self.due - len(self._window.samples[0]), 0)
+
+    def _judge_next(self, stamp_ns: int) -> None:
+        """Judge a check that waits, or collect the evidence of a block that ends at a stamp."""
+        if self._waiting:
+            self._waiting.popleft()()
+        else:
+            self._stamp_ns = stamp_ns
+            self._window.close_block(stamp_ns)
+            self._blocks += 1
+            # The window holds four blocks: each sample is judged at least once.
+            if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):
+                self._blocks, self._quiet = 0, 0 if self._active else self._quiet + 1
+                self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
+        self.due = len(self._window.samples[0]) + 1 if self._waiting else self._window.block
+
+    def _collect(self, axis: str) -> None:
+        seen = self._window.evidence(
+            axis, self._p, self._pipelines[axis], self.joints, self.limits)
+        for check in CHECKS:
+            self._waiting.extend(partial(stage, seen) for stage in check.stages)
+            self._waiting.append(partial(self._judge, seen, check))
 
     def warnings(self) -> list[Warned]:
         """Return the active warnings, the most important first."""
@@ -194,13 +228,12 @@ class InputChecks:
         text, count = self._active.get((check.name, axis), ('', 0))
         return text if count >= check.confirmations else ''
 
-    def _judge(self, seen: Evidence, checks: Sequence[Check]) -> None:
+    def _judge(self, seen: Evidence, check: Check) -> None:
         with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
-            for check in checks:
-                self._note(check, seen.axis, check.judge(seen))
-        if checks[-1] is CHECKS[-1]:
-            invalid = [self._text(check, seen.axis) for check in CHECKS
-                       if check.invalidates and not check.of_state]
+            self._note(check, seen.axis, check.judge(seen))
+        if check is CHECKS[-1]:
+            invalid = [self._text(one, seen.axis) for one in CHECKS
+                       if one.invalidates and not one.of_state]
             seen.pipeline.invalid = next(filter(None, invalid), '')
 
     def _note(self, check: Check, axis: str, text: str | None) -> None:

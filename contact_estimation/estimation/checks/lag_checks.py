@@ -25,7 +25,7 @@ is subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
 from __future__ import annotations
 
 from math import log
-from typing import Any, NamedTuple
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,8 @@ class StampSkew(Check):
               'joint states), or synchronise the clocks.')
     invalidates = True
     confirmations = 2
+    stages = (lambda seen: _quietly(_noise, seen), lambda seen: _quietly(_averaged, seen),
+              lambda seen: _quietly(_nearest, seen))
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact."""
@@ -174,13 +176,11 @@ def _offset(skew: _Skew, seen: Evidence) -> float:
 
 def _skew_of(seen: Evidence) -> _Skew | None:
     """Estimate the lag of the force; None where contact or motion are too little."""
-    if not seen.contact.any() or seen.bursts is not None:
-        return None
-    means = _means(seen)
+    means = _averaged(seen)
     if means is None:
         return None
     count = len(means.y)
-    before, none, after = _residuals(means, _NEAREST).tolist()
+    before, none, after = _nearest(seen, means)
     if not none < np.inf:
         return None
     x, v = (np.interp(means.t, means.motion_t, part)
@@ -205,6 +205,37 @@ def _skew_of(seen: Evidence) -> _Skew | None:
         best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
         ratio(with_mass, least), ratio(_left_with_physics(means, x, v), least), mass,
         (none - least) / max(none - count * means.floor, 1e-3 * means.least))
+
+
+def _noise(seen: Evidence) -> tuple[float, ...]:
+    """Find the noise of all signals, which the evidence keeps."""
+    return seen.noise, seen.position_noise, seen.rate_noise
+
+
+def _quietly(stage: Callable[[Evidence], object], seen: Evidence) -> None:
+    """Do a stage; squares of huge values are not finite: no evidence."""
+    with np.errstate(all='ignore'):
+        stage(seen)
+
+
+def _averaged(seen: Evidence) -> _Means | None:
+    """Return the means of contact, found once; None without contact or motion."""
+    instant, means = seen.memory.get('means', (None, None))
+    if instant != seen.end_s:
+        touched = seen.contact.any() and seen.bursts is None
+        means = _means(seen) if touched else None
+        seen.memory['means'] = seen.end_s, means
+    return means  # type: ignore[no-any-return]
+
+
+def _nearest(seen: Evidence, means: _Means | None = None) -> Sequence[float]:
+    """Return what no lag and the nearest ones leave, found once; nothing without means."""
+    means = means or _averaged(seen)
+    instant, left = seen.memory.get('nearest', (None, []))
+    if means is not None and instant != seen.end_s:
+        left = _residuals(means, _NEAREST).tolist()
+        seen.memory['nearest'] = seen.end_s, left
+    return left  # type: ignore[no-any-return]
 
 
 def _means(seen: Evidence) -> _Means | None:

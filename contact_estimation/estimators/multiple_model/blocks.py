@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from array import array
 from math import inf, nan, sqrt
 
 import numpy as np
@@ -26,7 +27,7 @@ from .laws import Array
 from .smoothing import Smoothing
 
 _BLOCK_S = 0.020  # of samples that are processed together
-_LONG = 2  # short blocks in a long one
+_LONG, _SETTLED = 2, 8  # short blocks in a long one, and in one of a wall that stays the same
 _FILLED = 3.5  # periods without a sample that are bridged
 _OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
 _STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
@@ -35,6 +36,7 @@ _FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor 
 _BELIEVED = 10  # samples in a row
 _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
 _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
+_NOISE_SAMPLES = 200  # over which the noise of the position is averaged
 _JUMP = 12.0  # standard deviations of a difference that is no noise
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
 FIRST = 20
@@ -61,74 +63,104 @@ class Blocks:
         The kernel for that period.
     noise : (float, float)
         Variance of position [m^2] and measured rate [m^2/s^2].
-    short, long, wanted : int
-        Samples of a short, a long and the present block.
-    outliers : int
-        Forces replaced as outliers.
+    short, long, settled, wanted : int
+        Samples of a short, a long, the longest and the present block.
+    left : int
+        Number of rows that the samples before a gap may have, to be set to 0 once they are used.
+    outliers, missing : int
+        Forces replaced as outliers; samples missing, from the spacing of the stamps.
 
     """
 
     def __init__(self, position_noise: float) -> None:
         self._least = position_noise * position_noise
-        self.period_s, self.outliers = 0.0, 0
+        self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
         self.noise = nan, nan
+        self._since = self._until = nan  # between which the period is measured
+        self._selected: tuple[Array, Array, Array, NDArray[np.bool_]]
         self._still = nan  # force since which the position has not changed
         self.restart()
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a jump of the clock."""
         self._last_t, self._last_x, self._jumped = -inf, nan, 0
+        self._steps = 0
         self.break_off()
 
     def break_off(self) -> None:
         """Forget the samples so far: nothing before a gap can be joined."""
-        self._raw: list[tuple[float, ...]] = []
+        self._raw = array('d')
         self._filled = 0
 
     def step(self, t: float, x: float) -> float:
         """Return the time since the last sample [s]; 0 for one that no robot can have sent."""
-        dt = t - self._last_t
-        if not dt > 0.0 or self._jumps(dt, x):
+        dt, T = t - self._last_t, self.period_s
+        moved = x - self._last_x
+        if not dt > 0.0 or (
+                (moved > _REACH or moved < -_REACH) and self._jumps(dt, abs(moved))):
             return 0.0
-        self._last_t = t
-        T = self.period_s
-        if T and dt > _FILLED * T:
-            self.break_off()
-            return T
+        self._last_t, self._last_x, self._jumped = t, x, 0
+        if T and dt > 1.5 * T:
+            self.missing += round(dt / T) - 1 if dt < inf else 0
+            if dt > _FILLED * T:
+                self.left = self.close()
+                self.break_off()
+                self._since = t - T if dt == inf else self._since + (dt - T)
+                return T
         return dt
 
-    def _jumps(self, dt: float, x: float) -> bool:
+    def noted(self, t: float, x: float) -> bool:
+        """Return whether a sample is the last one that `step` has noted."""
+        return t == self._last_t and x == self._last_x
+
+    def steady(self, t: Array, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """
+        Return what `step` returns for consecutive samples, and where it only notes them.
+
+        Parameters
+        ----------
+        t, x : ndarray, shape (N,)
+            Stamps [s] and positions [m].
+
+        """
+        with np.errstate(invalid='ignore'):
+            dt, moved = (np.diff(values, prepend=last) for values, last in (
+                (t, self._last_t), (x, self._last_x)))
+            T = self.period_s
+            return dt, (dt > 0.5 * T) & (dt < 1.5 * T) & (np.abs(moved) <= _REACH)
+
+    def _jumps(self, dt: float, moved: float) -> bool:
         """Return whether no tool moves so fast; so often in a row, it is elsewhere."""
-        if abs(x - self._last_x) > _FASTEST * min(dt, 1.0) + _REACH and self._jumped < _BELIEVED:
+        if moved <= _FASTEST * min(dt, 1.0) + _REACH:
+            return False
+        if self._jumped < _BELIEVED:
             self._jumped += 1
             return True
-        if self._jumped >= _BELIEVED:
-            self.break_off()
-        self._jumped, self._last_x = 0, x
+        self.break_off()
         return False
 
     def begin(self, stamps: Array) -> None:
         """Learn the period from the first stamps [s]."""
         self._set_period(float(np.median(np.diff(stamps))))
-        self._measure_period(float(stamps[-1] - stamps[0]))
+        self._since, self._until = float(stamps[0]), float(stamps[-1])
+        self._steps = round((self._until - self._since) / self.period_s)
+        self._measure_period()
 
     def _set_period(self, period_s: float) -> None:
         self.period_s = period_s
         self.smoothing = smooth = Smoothing(period_s)
         self.short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
-        self.wanted = self.long = _LONG * self.short
-        self._buffer = np.zeros((_SIGNALS, smooth.length(self.long // smooth.hop) + 4))
+        self.long, self.wanted = _LONG * self.short, _SETTLED * self.short
+        self.settled = self.wanted
+        self._buffer = np.zeros((_SIGNALS, smooth.length(self.settled // smooth.hop) + 4))
         self._filled = 0
-        self._elapsed, self._steps, self._measured = 0.0, 0, FIRST - 1
+        self._since, self._steps, self._measured = self._until, 0, FIRST - 1
 
-    def _measure_period(self, dt: float) -> None:
-        """Refine the period with the time that passes: an error of it is one of B_e."""
-        steps = round(dt / self.period_s)
-        self._elapsed += dt
-        self._steps += steps
+    def _measure_period(self) -> None:
+        """Refine the period with the time that has passed: an error of it is one of B_e."""
         if self._steps < self._measured:
             return
-        period = self._elapsed / self._steps
+        period = (self._until - self._since) / self._steps
         off = abs(period / self.period_s - 1.0)
         if off > _OTHER_RATE:
             self._set_period(period)
@@ -138,7 +170,12 @@ class Blocks:
         if self._measured < _LONGEST_STEPS:
             self._measured *= 4
         else:
-            self._elapsed, self._steps = 0.0, 0
+            self._since, self._steps = self._until, 0
+
+    @property
+    def pending(self) -> int:
+        """Return the number of samples that wait for their block to be full."""
+        return len(self._raw) // _SIGNALS
 
     def add(self, dt: float, sample: tuple[float, ...], taught: bool) -> int:
         """
@@ -159,64 +196,130 @@ class Blocks:
             Number of rows that a full block may have; 0 while it is not full.
 
         """
-        self._measure_period(dt)
-        raw = self._raw
-        if dt > 1.5 * self.period_s and raw:
-            self._bridge(round(dt / self.period_s), sample)
-        raw.append((*sample, float(taught)))
-        return self._close() if len(raw) >= self.wanted else 0
+        raw, T = self._raw, self.period_s
+        self._until = self._last_t
+        if 0.5 * T < dt < 1.5 * T:
+            self._steps += 1
+        else:
+            steps = round(dt / T)
+            self._steps += steps
+            if steps > 1 and raw:
+                self._bridge(steps, sample)
+        raw.extend(sample)
+        raw.append(taught)
+        return self.close() if len(raw) >= _SIGNALS * self.wanted else 0
+
+    def extend(self, t: float, samples: Array) -> None:
+        """
+        Add samples that `step` would only note, and that fill no block.
+
+        Parameters
+        ----------
+        t : float
+            Stamp of the last one [s].
+        samples : ndarray, shape (N, 6)
+            As of `add`, and whether the wall is to be learned from each.
+
+        """
+        self._last_t, self._last_x, self._jumped = t, float(samples[-1, 1]), 0
+        self._until = t
+        self._steps += len(samples)
+        self._raw.frombytes(samples.tobytes())
 
     def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
         """Fill in samples that were lost, on a straight line."""
-        *last, usable = self._raw[-1]
+        *last, usable = self._raw[-_SIGNALS:]
         for k in range(1, steps):
-            between = [a + k / steps * (b - a) for a, b in zip(last, now)]
-            self._raw.append((*between, usable))
+            self._raw.extend(a + k / steps * (b - a) for a, b in zip(last, now))
+            self._raw.append(usable)
 
-    def _close(self) -> int:
-        new = np.array(self._raw).T
-        self._raw.clear()
-        buffer, count = self._buffer, min(new.shape[1], self.long)
+    def close(self) -> int:
+        """End the block with the last sample; return the number of rows that it may have."""
+        if not self._raw:
+            return 0
+        new = np.array(self._raw).reshape(-1, _SIGNALS).T
+        del self._raw[:]
+        buffer, count = self._buffer, min(new.shape[1], self.settled)
         buffer[:, :-count] = buffer[:, count:]
         buffer[:, -count:] = new[:, -count:]
         self._filled += count
-        self._learn_noise(buffer[1:3, -(count + 4):])
+        self._learn_noise(buffer[1:3, -min(count + 4, self._filled):], count)
         windows = count // self.smoothing.hop
         full = self._filled >= self.smoothing.length(windows) + 4
+        self._measure_period()
+        full = full and self._buffer is buffer  # of no other rate
         return windows if full and buffer[-1].any() else 0
 
-    def _learn_noise(self, recent: Array) -> None:
+    def last(self, count: int) -> Array:
+        """Return force and position of the last samples, of at most so many, shape (2, N)."""
+        pending = np.array(self._raw).reshape(-1, _SIGNALS)[:, :2].T
+        known = self._buffer[:2, max(self._buffer.shape[1] - self._filled, 0):]
+        return np.concatenate([known, pending], axis=1)[:, -count:]
+
+    def shorts(self, later: Array) -> Array:
+        """
+        Return whole short blocks of a longer one that is not full.
+
+        Parameters
+        ----------
+        later : ndarray, shape (N, 2)
+            Force [N] and position [m] of samples to come; without any, the last short block.
+
+        Returns
+        -------
+        shorts : ndarray, shape (2, M, short)
+            Force and position.
+
+        """
+        kept = (self.pending % self.short if len(later) else self.short) * _SIGNALS
+        before = np.array(self._raw[len(self._raw) - kept:]).reshape(-1, _SIGNALS)[:, :2]
+        both = np.concatenate([before, later])
+        return both[:len(both) // self.short * self.short].T.reshape(2, -1, self.short)
+
+    def usual(self, K: float, shorts: Array) -> tuple[Array, Array]:
+        """Return medians of f - K x [N] and, by parts, of the rate [m/s] of short blocks."""
+        force, x = shorts
+        count, part = self.short, -(-self.short // 3)
+        first, last = (np.sort(end, axis=1)[:, part // 2] for end in (x[:, :part], x[:, -part:]))
+        rate = (last - first) / (max(count - part, 1) * self.period_s)
+        return np.sort(force - K * x, axis=1)[:, count // 2], rate
+
+    def _learn_noise(self, recent: Array, count: int) -> None:
         """Learn the noise of position and rate from second differences, as that of the force."""
-        bends = np.square(np.diff(recent, 2, axis=1)) / 6.0
-        noise = []
+        if recent.shape[1] < 3:
+            return
+        bends = recent[:, 2:] - 2.0 * recent[:, 1:-1] + recent[:, :-2]
+        bends *= bends / 6.0
+        gain, noise = min(count / _NOISE_SAMPLES, 1.0), []
         for squares, known in zip(bends, self.noise):
             if known == known:
-                mean = float(np.mean(np.minimum(squares, 9.0 * known)))
-                known += 0.05 * (mean - known)
-            else:
+                mean = float(np.minimum(squares, 9.0 * known).sum()) / len(squares)
+                known += gain * (mean - known)
+            elif squares[0] == squares[0]:
                 known = float(np.median(squares)) / 0.455
-            noise.append(max(known, 1e-20))
-        self.noise = max(noise[0], self._least), noise[1]
+            noise.append(known)
+        self.noise = max(noise[0], self._least, 1e-20), max(noise[1], 1e-20)
 
-    def rows(self, windows: int, x0: float, contact: ContactFilter) -> Array | None:
-        """Return the rows of windows that are in contact throughout."""
+    def select(self, windows: int, contact: ContactFilter, later: int = 0) -> bool:
+        """Choose the windows in contact throughout, before so many samples; whether there are."""
         smooth, deviation = self.smoothing, sqrt(contact.variance)
-        recent = self._buffer[:, -(smooth.length(windows) + 4):]
+        end = self._buffer.shape[1] - later
+        recent = self._buffer[:, end - smooth.length(windows) - 4:end]
         force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
-        v, *bent, usable = recent[2:, 2:-2]
-        inside = (usable > 0.0) & (course > PRESSES * deviation)
+        inside = (recent[-1, 2:-2] > 0.0) & (course > PRESSES * deviation)
         whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])
-        if not whole.any() or self._is_frozen(force, x, deviation):
-            return None
-        self._samples: tuple[Array, Array, NDArray[np.bool_]] = force, x, whole
-        phi = smooth.rows(force, x, v, x0, self.noise, bent=bent)
+        self._selected = force, x, recent[2:-1, 2:-2].copy(), whole
+        return bool(whole.any()) and not self._is_frozen(force, x, deviation)
+
+    def rows(self, x0: float) -> Array:
+        """Return the rows of the windows selected, about a reference [m]."""
+        force, x, (v, *bent), whole = self._selected
+        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent)
         return phi if whole.all() else phi[:, whole]
 
-    def beside_jumps(
-        self, windows: int, wall: tuple[float, float, float], variance: float
-    ) -> Array:
+    def beside_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
         """Return 0 for rows across a jump of the force, which no wall explains, 1 for others."""
-        force, x, whole = self._samples
+        force, x, _, whole = self._selected
         K, B, surface = wall
         rate = np.gradient(x) / self.period_s
         left = force - K * (x - surface) - B * rate
@@ -224,7 +327,7 @@ class Blocks:
         usual = 3.0 * float(np.median(steps)) + _JUMP * sqrt(variance)
         jumps = np.zeros(len(x))
         jumps[1:-1] = steps > usual
-        return np.asarray((jumps @ self.smoothing.bands(windows)[2] < 0.5)[whole], float)
+        return np.asarray((jumps @ self.smoothing.bands(len(whole))[2] < 0.5)[whole], float)
 
     def _without_outliers(
         self, both: Array, deviation: float, level: float

@@ -28,11 +28,11 @@ TOUCH = 12.0
 """Sum of z - SHIFT at which contact is declared. In free flight once in
 exp(2 SHIFT TOUCH) / (2 SHIFT^2) = 6e7 samples, a day and a half at 500 Hz (Siegmund 1985)."""
 
-RELEASE = 8.0
-"""The same for the end of a contact, which costs nothing if it is wrong: 1e5 samples."""
+RELEASE = 9.0
+"""The same for the end of a contact, which costs little if it is wrong: 6e5 samples."""
 
 CLIP = 8.0
-"""Largest |z| that counts: a single outlier stays below TOUCH."""
+"""Largest |z| that counts: a single outlier, CLIP + SHIFT, stays below TOUCH and RELEASE."""
 
 NOISE_SAMPLES = 300
 """Samples over which the noise is averaged: 0.6 s at 500 Hz, standard error of 6 %."""

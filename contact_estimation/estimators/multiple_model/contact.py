@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from math import exp, sqrt
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from .constants import (
     ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
     SLOPE_STD, TOUCH)
 
+Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _SECOND = 6.0  # variance of a second difference of white noise
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
@@ -39,22 +41,30 @@ class Segment:
     def clear(self) -> None:
         """Forget all samples."""
         self.seconds = 0.0
-        self._sums = (0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self._x: list[float] = []
+        self._f: list[float] = []
 
-    def add(self, dt: float, x: float, f: float) -> None:
-        """Add a sample."""
-        n, sx, sf, xx, xf, ff = self._sums
-        self.seconds += dt
-        self._sums = n + 1, sx + x, sf + f, xx + x * x, xf + x * f, ff + f * f
+    def add(self, seconds: float, x: Floats, f: Floats) -> None:
+        """Add samples, after which so much time has passed [s]."""
+        self.seconds = seconds
+        self._x.extend(x)
+        self._f.extend(f)
+
+    @property
+    def count(self) -> int:
+        """Return the number of samples."""
+        return len(self._x)
 
     @property
     def moments(self) -> tuple[int, float, float, float, float]:
         """Return count, mean force, and the centred sums of x^2, x f and f^2."""
-        n, sx, sf, xx, xf, ff = self._sums
-        if not n:
+        if not self._x:
             return 0, 0.0, 0.0, 0.0, 0.0
-        return (n, sf / n, max(xx - sx * sx / n, 0.0), xf - sx * sf / n,
-                max(ff - sf * sf / n, 0.0))
+        both = np.array([self._x, self._f])
+        mean = both.mean(axis=1, keepdims=True)
+        both -= mean
+        (xx, xf), (_, ff) = (both @ both.T).tolist()
+        return len(self._x), float(mean[1, 0]), xx, xf, ff
 
 
 class ContactFilter:
@@ -78,8 +88,6 @@ class ContactFilter:
     ----------
     state : int
         FREE, CONTACT or NEITHER.
-    variance : float
-        Of the white noise of the force [N^2].
     level, level_variance : float
         Force in free flight [N] and its variance.
 
@@ -88,20 +96,28 @@ class ContactFilter:
     def __init__(self, minimum_force: float = 0.0, least_noise: float = 1e-3) -> None:
         self.minimum_force, self._least = minimum_force, least_noise * least_noise
         self.state = FREE
-        self.variance, self.level, self.level_variance = self._least, 0.0, 0.0
-        self._up = self._down = self._last = self._before = 0.0
-        self._equal, self._learned = 0, 1
+        self.level = self.level_variance = self._up = self._down = 0.0
+        self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
 
     def start(self, force: NDArray[np.float64], free: bool) -> None:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
         squares = np.sort(np.square(np.diff(force, 2)))[:-1]  # an outlier makes one large
-        self._learned = len(force)
-        doubt = 1.0 + 2.0 * sqrt(4.0 / self._learned)  # two of its standard deviations
-        self.variance = max(doubt * float(np.mean(squares)) / _SECOND, self._least)
-        self._before, self._last = float(force[-2]), float(force[-1])
+        doubt = 1.0 + 2.0 * sqrt(4.0 / len(force))  # two of its standard deviations
+        variance = max(doubt * float(np.mean(squares)) / _SECOND, self._least)
+        self._noise = variance, float(force[-1]), float(force[-2]), 0, len(force)
         if free:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
+
+    @property
+    def variance(self) -> float:
+        """Variance of the white noise of the force [N^2]."""
+        return self._noise[0]
+
+    def keep(self, other: ContactFilter) -> None:
+        """Use the noise and the level of another filter of the same samples."""
+        self._noise = other.variance, *self._noise[1:]
+        self.set_level(other.level, other.level_variance)
 
     def set_level(self, level: float, variance: float) -> None:
         """Set the force of free flight [N] and its variance [N^2]."""
@@ -114,133 +130,175 @@ class ContactFilter:
                               else self._up - TOUCH)
         return 0.0 if self.state == NEITHER else 1.0 / (1.0 + exp(-min(max(odds, -50.0), 50.0)))
 
-    def take(self, dt: float, force: float, x: float, surface: float, std: float) -> int:
+    def take(
+        self, dt: Floats, force: Floats, x: Floats, surface: float, std: float
+    ) -> int:
         """
-        Judge the next sample.
+        Judge consecutive samples, up to and with the one that changes the state.
 
         Parameters
         ----------
-        dt : float
-            Time since the last one [s].
-        force, x : float
+        dt : sequence of float, length N
+            Time since the sample before each [s].
+        force, x : sequence of float, length N
             Pressing force [N] and position [m].
         surface, std : float
             x_e as known, NaN where it is not, and its standard deviation [m].
 
         Returns
         -------
-        state : int
-            FREE, CONTACT or NEITHER.
+        count : int
+            Samples judged.
 
         """
-        self._learn_noise(force)
-        deviation = sqrt(self.variance + self.level_variance)
-        pressing = force - self.level
-        z = pressing / deviation
-        z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-        place = _place(x, surface, std)
-        before = self.state
-        if before == FREE:
-            self._in_free_flight(dt, pressing, z, place, deviation)
-        elif before == CONTACT:
-            self._in_contact(dt, force, x, z, place)
-        else:
-            self._in_neither(dt, force, x, z, place)
+        noise, before = self._noise, self.state
+        variances = self._learn_noise(force)
+        judge = (self._in_free_flight, self._in_contact, self._in_neither)[before]
+        count = judge(dt, force, x, variances, _places(x, surface, std))
+        if count < len(force):
+            self._noise = noise
+            self._learn_noise(force[:count])
         if self.state != before:
             self._up = self._down = 0.0
             self._segment.clear()
-        return self.state
+        return count
 
-    def _learn_noise(self, force: float) -> None:
-        bend = force - 2.0 * self._last + self._before
-        self._equal = self._equal + 1 if force == self._last else 0
-        self._before, self._last = self._last, force
-        if self._equal < _SAME:
-            variance = self.variance
-            square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
-            square = square if square < most else most
-            learned = self._learned
-            if learned < NOISE_SAMPLES:
-                self._learned = learned = learned + 1
-            variance += (square - variance) / learned
-            self.variance = variance if variance > self._least else self._least
+    def _learn_noise(self, forces: Floats) -> list[float]:
+        """Return the variance as known at each sample, from second differences."""
+        variance, last, before, equal, learned = self._noise
+        least, variances = self._least, []
+        for force in forces:
+            bend = force - 2.0 * last + before
+            equal = equal + 1 if force == last else 0
+            before, last = last, force
+            if equal < _SAME:
+                square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
+                if learned < NOISE_SAMPLES:
+                    learned += 1
+                variance += ((square if square < most else most) - variance) / learned
+                variance = variance if variance > least else least
+            variances.append(variance)
+        self._noise = variance, last, before, equal, learned
+        return variances
 
     def _in_free_flight(
-        self, dt: float, pressing: float, z: float, place: float, deviation: float
-    ) -> None:
-        up, down = self._up + z - SHIFT, self._down - z - SHIFT
-        self._up = up = up if up > 0.0 else 0.0
-        self._down = down = down if down > 0.0 else 0.0
-        if up > TOUCH - place and pressing > self.minimum_force:
-            self.state = NEITHER if place <= _FAR_OUTSIDE else CONTACT
-        elif down > TOUCH + max(0.0, place):
-            self.state = NEITHER
-        elif up < 0.25 * TOUCH and down < 0.5 * TOUCH and place < 0.5:
-            variance, noise = self.level_variance, self.variance
-            variance += LEVEL_WALK * LEVEL_WALK * noise * dt
-            gain = variance / (variance + noise)
-            most = 3.0 * deviation
-            self.level += gain * (most if pressing > most else max(pressing, -most))
-            self.level_variance = variance * (1.0 - gain)
+        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
+    ) -> int:
+        up, down, level, level_variance = self._up, self._down, self.level, self.level_variance
+        walk, count = LEVEL_WALK * LEVEL_WALK, 0
+        for dt, force, variance, place in zip(dts, forces, variances, places):
+            count += 1
+            deviation, pressing = sqrt(variance + level_variance), force - level
+            z = pressing / deviation
+            z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+            up, down = up + z - SHIFT, down - z - SHIFT
+            up, down = up if up > 0.0 else 0.0, down if down > 0.0 else 0.0
+            if up > TOUCH - place and pressing > self.minimum_force:
+                self.state = NEITHER if place <= _FAR_OUTSIDE else CONTACT
+                break
+            if down > TOUCH + (place if place > 0.0 else 0.0):
+                self.state = NEITHER
+                break
+            if up < 0.25 * TOUCH and down < 0.5 * TOUCH and place < 0.5:
+                level_variance += walk * variance * dt
+                gain = level_variance / (level_variance + variance)
+                most = 3.0 * deviation
+                level += gain * (most if pressing > most else -most if pressing < -most
+                                 else pressing)
+                level_variance *= 1.0 - gain
+        self._up, self._down, self.level, self.level_variance = up, down, level, level_variance
+        return count
 
-    def _in_contact(self, dt: float, force: float, x: float, z: float, place: float) -> None:
-        down = self._down + SHIFT - z
-        self._down = down = down if down > 0.0 else 0.0
-        outside = self._up - place + 0.5 * _FAR_OUTSIDE
-        self._up = outside if outside > 0.0 else 0.0
-        segment = self._segment
-        segment.add(dt, x, force)
-        if down > RELEASE:
-            self.state = NEITHER if z < -SLOPE_STD else FREE
-        elif self._up > 4.0 * TOUCH:  # a force remains where no wall is
-            self.state = NEITHER
-        elif segment.seconds > SEGMENT_S:
-            if self._is_level():
+    def _in_contact(
+        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
+    ) -> int:
+        up, down, level, segment = self._up, self._down, self.level, self._segment
+        seconds, count, kept = segment.seconds, 0, 0
+        for dt, force, variance, place in zip(dts, forces, variances, places):
+            count += 1
+            z = (force - level) / sqrt(variance + self.level_variance)
+            z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+            down, up = down + SHIFT - z, up - place + 0.5 * _FAR_OUTSIDE
+            down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
+            seconds += dt
+            if down > RELEASE:
+                self.state = NEITHER if z < -SLOPE_STD else FREE
+                break
+            if up > 4.0 * TOUCH:  # a force remains where no wall is
+                self.state = NEITHER
+                break
+            if seconds > SEGMENT_S:
+                segment.add(seconds, xs[kept:count], forces[kept:count])
+                seconds, kept = 0.0, count
+                if self._is_level(variance):
+                    self.state = FREE
+                    break
+                segment.clear()
+        segment.add(seconds, xs[kept:count], forces[kept:count])
+        self._up, self._down = up, down
+        return count
+
+    def _in_neither(
+        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
+    ) -> int:
+        count, segment = 0, self._segment
+        for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
+            count += 1
+            z = (force - self.level) / sqrt(variance + self.level_variance)
+            z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+            self._down = max(self._down + 2.0 - abs(z), 0.0)
+            segment.add(segment.seconds + dt, (x,), (force,))
+            if self._down > RELEASE:
                 self.state = FREE
-            segment.clear()
+            elif segment.count % 10 == 0:
+                self._look_again(z, variance, place)
+            if self.state != NEITHER:
+                break
+        return count
 
-    def _in_neither(self, dt: float, force: float, x: float, z: float, place: float) -> None:
-        down = self._down + 2.0 - abs(z)
-        self._down = down = down if down > 0.0 else 0.0
-        if down > RELEASE:
-            self.state = FREE
-            return
+    def _look_again(self, z: float, variance: float, place: float) -> None:
+        """Decide whether what is neither is a wall after all, or the level."""
         segment = self._segment
-        segment.add(dt, x, force)
         count, mean, xx, xf, ff = segment.moments
-        if count % 10:
-            return
-        noise = count * self.variance
         explained = xf * xf / xx if xf > 0.0 < xx else 0.0
-        if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * self.variance):
+        if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * variance):
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
-            if self._is_level() or ff < SLOPE_STD * noise and place < -1.0:
-                self.set_level(mean, self.variance / count)
+            if self._is_level(variance) or ff < SLOPE_STD * count * variance and place < -1.0:
+                self.set_level(mean, variance / count)
                 self.state = FREE
             elif segment.seconds > 2.0 * SEGMENT_S:
                 segment.clear()
 
-    def _is_level(self) -> bool:
+    def _is_level(self, noise: float) -> bool:
         """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
         count, mean, xx, xf, ff = self._segment.moments
-        if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * self.variance:
+        if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * noise:
             return False
-        deviation = sqrt(max(self.variance, ff / count) / xx)
+        deviation = sqrt(max(noise, ff / count) / xx)
         if abs(xf / xx) + SLOPE_STD * deviation > abs(mean - self.level) / ANYWHERE_M:
             return False
-        self.set_level(mean, self.variance / count)
+        self.set_level(mean, noise / count)
         return True
 
 
-_FAR_OUTSIDE = -8.0  # log odds of contact at a place where no wall is
+_FAR_INSIDE, _FAR_OUTSIDE = 4.0, -8.0  # log odds of contact at a place in the wall, and far off
+_INSIDE, _OUTSIDE = 2.5, 4.0  # deviations of the surface, from which they are these
 
 
-def _place(x: float, surface: float, std: float) -> float:
-    """Return the log odds of contact by the position alone, between -8 and 4."""
+def _places(x: Floats, surface: float, std: float) -> Floats:
+    """Return the log odds of contact by each position alone, between -8 and 4."""
     if surface != surface:
-        return 0.0
-    p = (x - surface) / (std + 3e-5)
+        return [0.0] * len(x)
+    reach = std + 3e-5
+    if (min(x) - surface) / reach >= _INSIDE:
+        return [_FAR_INSIDE] * len(x)
+    if (max(x) - surface) / reach <= -_OUTSIDE:
+        return [_FAR_OUTSIDE] * len(x)
+    return [_place((one - surface) / reach) for one in x]
+
+
+def _place(p: float) -> float:
     if p > 0.0:
-        return 1.5 * p if p < 2.5 else 4.0
-    return 0.5 * p if p > -1.0 else -0.5 * p * p if p > -4.0 else _FAR_OUTSIDE
+        return 1.5 * p if p < _INSIDE else _FAR_INSIDE
+    return 0.5 * p if p > -1.0 else -0.5 * p * p if p > -_OUTSIDE else _FAR_OUTSIDE

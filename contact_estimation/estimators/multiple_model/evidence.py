@@ -16,13 +16,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Generator, NamedTuple
 
 import numpy as np
 
-from .laws import Array, CHOSEN, DEEP, FORCE_RATE, Ints, prior, scales, UNKNOWNS
+from .laws import Array, CHOSEN, COLUMNS, DEEP, FORCE_RATE, Ints, prior, scales, UNKNOWNS
 
 _DIAGONAL = np.arange(UNKNOWNS)
+_FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
@@ -96,6 +97,28 @@ class Judged(NamedTuple):
     P: Array
 
 
+class _Normal(NamedTuple):
+    """
+    Normal equations of hypotheses.
+
+    Attributes
+    ----------
+    scaled, unit : ndarray, shape (N, 5, 5), (N, 5)
+        A = G + L with a diagonal of 1, and what it was multiplied by on both sides.
+    eta, std : ndarray, shape (N, 5)
+        Information vectors, and the deviations of the priors.
+    squares : ndarray, shape (N,)
+        f^T f + m^T L m.
+
+    """
+
+    scaled: Array
+    unit: Array
+    eta: Array
+    std: Array
+    squares: Array
+
+
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     """
     Fit hypotheses to data.
@@ -123,16 +146,32 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
         N posteriors.
 
     """
+    return _solved(_normal(grams, scene, what))
+
+
+def judge_in_parts(
+    grams: Array, scene: Scene, what: Hypotheses
+) -> Generator[None, None, Judged]:
+    """Return what `judge` does, half of the work after each call."""
+    equations = _normal(grams, scene, what)
+    yield
+    return _solved(equations)
+
+
+def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
+    """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
-    gram = grams[np.arange(count)[:, None, None], chosen[:, :, None], chosen[:, None, :]]
-    gram = gram * (scale[:, :, None] * scale[:, None, :])
+    flat = grams.reshape(count, -1)
+    gram = np.take_along_axis(flat, _FLAT[laws], axis=1).reshape(
+        count, UNKNOWNS + 1, UNKNOWNS + 1) * (scale[:, :, None] * scale[:, None, :])
     tau = np.where(DEEP[laws], scene.lag[0], 0.0)  # f + tau f' for f
-    rate = tau[:, None] * grams[np.arange(count)[:, None], chosen, FORCE_RATE] * scale
-    gram[:, :UNKNOWNS, UNKNOWNS] += rate[:, :UNKNOWNS]
-    gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * rate[:, UNKNOWNS] + tau * tau * grams[
-        :, FORCE_RATE, FORCE_RATE]
+    if scene.lag[0] and tau.any():
+        rate = tau[:, None] * np.take_along_axis(grams[:, FORCE_RATE], chosen, axis=1) * scale
+        gram[:, :UNKNOWNS, UNKNOWNS] += rate[:, :UNKNOWNS]
+        gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * rate[:, UNKNOWNS] + tau * tau * grams[
+            :, FORCE_RATE, FORCE_RATE]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
     std[:, 3] = K * what.std
@@ -148,12 +187,18 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # they differ by 1e10
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
+    squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1)
+    return _Normal(scaled, unit, eta, std, squares)
+
+
+def _solved(equations: _Normal) -> Judged:
+    """Return the posteriors that normal equations have."""
+    scaled, unit, eta, std, squares = equations
     sign, volume = np.linalg.slogdet(scaled)
     P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
     theta = (P @ eta[:, :, None])[:, :, 0]
-    gained = (eta * theta).sum(1) - gram[:, UNKNOWNS, UNKNOWNS] - (mean * pulled).sum(1)
-    volume = volume - 2.0 * np.log(unit).sum(1)
-    evidence = 0.5 * (gained - volume) - np.log(std).sum(1)
+    gained = (eta * theta).sum(1) - squares
+    evidence = 0.5 * (gained - volume) + np.log(unit / std).sum(1)
     sound = (sign > 0.0) & np.isfinite(evidence)  # rounding may leave no positive matrix
     if not sound.all():
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)

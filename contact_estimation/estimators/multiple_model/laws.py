@@ -29,6 +29,7 @@ wrong with tau; in the others it adds -K tau to B and c K tau^2 - B tau to M.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -113,12 +114,17 @@ def scales(laws: Ints, depth: float) -> Array:
         Of the columns of `CHOSEN`.
 
     """
-    n, deep, twice = EXPONENT[laws], DEEP[laws], _TWICE[laws]
-    power = depth ** (1.0 - n)
-    found = np.ones((len(laws), UNKNOWNS + 1))
+    return _scales(depth)[laws]
+
+
+@lru_cache(maxsize=2)
+def _scales(depth: float) -> Array:
+    """Return the scales of all laws, shape (7, 6)."""
+    power = depth ** (1.0 - EXPONENT)
+    found = np.ones((len(NAMES), UNKNOWNS + 1))
     found[:, 0] = power
-    found[:, 1] = np.where(deep, depth ** -n, 1.0)
-    found[:, 3] = power * twice
+    found[:, 1] = np.where(DEEP, depth ** -EXPONENT, 1.0)
+    found[:, 3] = power * _TWICE
     return found
 
 
@@ -143,19 +149,25 @@ def prior(laws: Ints, K: Array, damping: float, lag: tuple[float, float]) -> tup
         Those of K and s are 0 and 1, to be set by the caller.
 
     """
-    deep, mass = DEEP[laws], laws == MASS
-    tau, std = lag
-    mean, width = np.zeros((2, len(laws), UNKNOWNS))
-    width += 1.0
-    mean[:, 1] = DAMPING_S * K
-    width[:, 1] = DAMPING_STD_S * K
+    per_K, mean, width = _priors(damping, *lag)
+    scale = K[:, None]
+    return mean[laws] * scale, np.where(per_K[laws], width[laws] * scale, width[laws])
+
+
+@lru_cache(maxsize=2)
+def _priors(damping: float, tau: float, std: float) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Return which deviations are per N/m of stiffness, means and deviations of all laws."""
+    mean, width = np.zeros((len(NAMES), UNKNOWNS)), np.ones((len(NAMES), UNKNOWNS))
+    per_K = np.zeros(mean.shape, bool)
+    mean[:, 1], width[:, 1], per_K[:, 1] = DAMPING_S, DAMPING_STD_S, True
     # A lag makes K y + B y' to K y + (B - K tau) y' + (c K tau^2 - B tau) y'' + ...
-    second = TWO_POLES * tau * tau - damping * tau
-    doubt = (damping + tau) * std + POLES_STD * tau * tau
-    mean[:, 2] = np.where(deep | mass, 0.0, second) * K
-    width[:, 2] = np.where(mass, MASS_KG, np.where(deep, std + 1e-6, (doubt + 1e-9) * K))
-    width[:, 4] = np.where(laws == FRICTION, FRICTION_N, 1.0)
-    return mean, width
+    alike = ~DEEP
+    alike[MASS] = False
+    mean[alike, 2] = TWO_POLES * tau * tau - damping * tau
+    width[alike, 2] = (damping + tau) * std + POLES_STD * tau * tau + 1e-9
+    per_K[alike, 2] = True
+    width[DEEP, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
+    return per_K, mean, width
 
 
 def shifted_table(delta: float) -> Array:

@@ -16,83 +16,24 @@
 
 from __future__ import annotations
 
-from collections import deque
-from math import exp, inf, isfinite, nan, sqrt
-from typing import Iterator, NamedTuple, Sequence
+from itertools import chain, repeat
+from math import isfinite, nan
+from typing import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .ahead import Ahead, GREATEST
 from .blocks import Blocks, FIRST
-from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
-    MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter, FREE
-from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
-from .lag import LagPosterior
-from .laws import (
-    ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
-from .moving import MovingWall
-from .runs import Change, decided, Runs
-from .touch import before_release, surface_of_touch
+from .inference import WallInference
+from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M
+from .laws import Array
 
-_GREATEST = 1e5  # [N]; a larger force is no measurement
-_LAWS = len(NAMES)
-_EARLY = 20  # short blocks of a contact, each judged; later every fifth long one is
-_EVERY = 5
-_ALERT = 5  # blocks judged after a surprise
-_SURPRISE = 4.0  # mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3
-_CLIPPED = 4.0  # times the mean so far: a change is no misfit
-_OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
+_FEW = 4  # samples that are not worth a run
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
-_STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
-_SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
-_START = 3  # blocks in which the scale of the priors is not known
-_SETTLED = 10  # blocks, from which the lag is learned
-_DEPTH_S = 1.0  # over which the mean depth is taken
-_RESIDUAL_S = 2.0  # over which residuals are averaged
-_RECENT = 25  # blocks of the last half second to second
-_PARTS = 8  # at most, of the work on a block
-_SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
+_PARTS = 14  # at most, of the work on a block
 _DONE = object()
-_FARTHEST = 20.0  # log odds of a law of the wall before a change
-_SURE = 0.3  # relative standard deviation above which there is no estimate
-
-
-class Knowledge(NamedTuple):
-    """
-    What is known of the wall.
-
-    Attributes
-    ----------
-    stiffness, damping, stiffness_std, damping_std : float
-        K_e [N/m], B_e [N s/m]; NaN before the first contact.
-    surface, surface_std : float
-        x_e [m]; NaN before it is known.
-    inertia : float
-        Mass that moves with the wall where that is the law, else NaN [kg].
-    laws : tuple of float
-        Probabilities, in the order of `laws.NAMES`.
-    fit : float
-        Rms of the residual over that of the noise, in the last 2 s of contact; NaN before.
-
-    """
-
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    surface: float
-    surface_std: float
-    inertia: float
-    laws: tuple[float, ...]
-    fit: float
-
-    @property
-    def valid(self) -> bool:
-        """Whether the stiffness is known to a third of it."""
-        return self.stiffness_std < _SURE * self.stiffness
+_NONE: Array = np.zeros((0, 2))
 
 
 class WallPosterior:
@@ -101,8 +42,8 @@ class WallPosterior:
 
     Samples are judged for contact one by one. In contact every 20 ms of them become a block: rows
     of smoothed columns, in which every law is linear, and their Gram matrix. A hypothesis is a
-    small linear fit of some columns to the sum of these matrices, and its evidence is that of a
-    Gaussian model. What contacts add up is carried from one to the next.
+    small linear fit of some columns to the sum of these matrices. What contacts add up is carried
+    from one to the next.
 
     Parameters
     ----------
@@ -117,18 +58,12 @@ class WallPosterior:
 
     Attributes
     ----------
-    known : Knowledge
-        Now.
     contact : ContactFilter
         The state of contact and the noise of the force.
     blocks : Blocks
         The samples, their period and noise.
-    lag : LagPosterior
-        Of the force sensor.
-    changes : int
-        How often the wall has become another.
-    inertia : float
-        Known mass that moves with the wall, whose force the samples contain [kg].
+    wall : WallInference
+        What the blocks say of the wall.
 
     """
 
@@ -137,89 +72,37 @@ class WallPosterior:
         lag: tuple[float, float] = (1.2e-3, 1e-3), position_noise: float = 0.0,
         minimum_force: float = 0.0, least_noise: float = 1e-3,
     ) -> None:
-        self._told = location, max(location_std, AS_TOLD_M)
-        self.blocks, self.inertia = Blocks(position_noise), 0.0
-        self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
+        self._told = location, location_std
+        self.blocks = Blocks(position_noise)
+        self.contact = ContactFilter(minimum_force, least_noise)
+        self.wall = WallInference(location, location_std, lag, self.blocks, self.contact)
         self._first: list[tuple[float, ...]] = []
         self.restart()
-        self.forget()
-
-    def forget(self) -> None:
-        """Forget the wall; noises, lag and the zero of the sensor stay."""
-        location, std = self._told
-        self.known = Knowledge(nan, nan, nan, nan, location,
-                               std if location == location else ANYWHERE_M, nan,
-                               tuple(np.exp(LOG_PRIOR).tolist()), nan)
-        self._runs = Runs()
-        self._gram, self._moving = np.zeros((COLUMNS, COLUMNS)), MovingWall()
-        self._odds = LOG_PRIOR.copy()
-        self.changes = self._blocks = self._of_contact = self._alert = 0
-        self._depth_s = 0.0
-        self._x0 = location if location == location else 0.0
-        self._depth, self._residual = 1e-3, nan
-        self._scale, self._seconds = 1e3, DAMPING_S  # K_e and B_e / K_e for the priors
-        self._surfaces = [(location, AS_TOLD_M, AS_TOLD), (location, std, NEAR),
-                          (location, ANYWHERE_M, ELSEWHERE)]
-        self._top: tuple[Ints, Array, Scene] | None = None
-        self._touched = nan
-        self._excited_at, self._excitation = -1, (inf, inf)
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
-        std = max(std, AS_TOLD_M)
-        self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
-        if not self._blocks:
-            self._x0 = surface
+        self._begin_work(None)  # what is judged now has other surfaces
+        self.wall.expect(surface, std)
 
     def keep(self, contact: ContactFilter) -> None:
         """Use the noise and the level of another posterior on the same samples."""
-        self.contact.variance, self.contact.level = contact.variance, contact.level
-        self.contact.level_variance = contact.level_variance
+        self.contact.keep(contact)
 
-    def variance_of(self, force: float) -> float:
-        """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
-        error = MODEL_ERROR * force
-        return self.contact.variance + error * error * MODEL_ERROR_S / self.period_s
+    @property
+    def known(self) -> Knowledge:
+        """Return what is known of the wall now."""
+        return self.wall.known
 
     @property
     def period_s(self) -> float:
         """Period of the samples as measured [s]; 0 before 20 of them."""
         return self.blocks.period_s
 
-    @property
-    def law(self) -> str:
-        """Name of the most probable law."""
-        return NAMES[int(np.argmax(self.known.laws))]
-
-    @property
-    def excitation(self) -> tuple[float, float]:
-        """
-        Relative standard deviations of K_e and B_e that the last second would leave on its own.
-
-        The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
-
-        """
-        if self._excited_at != self._blocks:
-            self._excited_at = self._blocks
-            self._excitation = self._bounds()
-        return self._excitation
-
-    def _bounds(self) -> tuple[float, float]:
-        gram = self._runs.recent(_RECENT) if self._blocks else self._gram
-        K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
-        (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
-        determinant = kk * bb - kb * kb
-        if kk <= 0.0:
-            return inf, inf
-        if determinant <= 1e-12 * kk * bb:
-            return 1.0 / (K * sqrt(kk)), inf
-        return sqrt(bb / determinant) / K, sqrt(kk / determinant) / B
-
     def restart(self) -> None:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
         self.blocks.restart()
         self._work: Iterator[None] | None = None
-        self._tap: list[tuple[float, float]] | None = None
+        self._touch_t = nan
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -251,77 +134,133 @@ class WallPosterior:
 
         """
         felt_force, felt_x = felt or (force, x)
-        if not (isfinite(force) and isfinite(x) and abs(felt_force) < _GREATEST):
-            return self.contact.state
-        dt = self.blocks.step(t, felt_x)
+        blocks, contact = self.blocks, self.contact
+        if not (-GREATEST < felt_force < GREATEST and isfinite(force) and isfinite(x)):
+            return contact.state
+        dt = blocks.step(t, felt_x)
         if not dt:
-            return self.contact.state
-        if not self.blocks.period_s:
+            return contact.state
+        if not blocks.period_s:
             self._begin(t, felt_force, felt_x)
             return FREE
+        if blocks.left:
+            self._begin_work(self.wall.parts_of(blocks.left))
+            blocks.left = 0
         if self._work is not None:
             self._go_on()
-        known, before = self.known, self.contact.state
-        state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
-        if state == CONTACT and before != CONTACT:
-            self._touch(felt_x)
-            known = self.known
-        outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
-        taught = state == CONTACT and usable and not felt_x < outermost
-        if felt is None:  # out of contact, a force less known physics is that of no wall
-            self._follow_tap(force, x, before, state)
-        windows = self.blocks.add(dt, (force, x, v, *bent), taught)
+        before = contact.state
+        contact.take((dt,), (felt_force,), (felt_x,), *self.wall.known[4:6])
+        if contact.state != before:
+            self._change(t if felt is None else nan, felt_x, before)
+        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self._outermost)
+        return contact.state
+
+    def run(self, t: Array, force: Array, x: Array, v: Array) -> Iterator[tuple[int, int]]:
+        """
+        Process consecutive samples as `take` does one by one, many at once where it can.
+
+        Parameters
+        ----------
+        t, force, x, v : ndarray, shape (N,)
+            As of `take`.
+
+        Yields
+        ------
+        done, state : int, int
+            Number of samples done, and the state after each of those since it yielded last; what
+            is known was the same after all of them.
+
+        """
+        blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)
+        table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
+        while done < len(t):
+            end = ahead.steady_until(done, blocks)
+            if self._work is not None or end - done < _FEW:
+                yield done + 1, self.take(*ahead.sample(done))
+                done += 1
+                continue
+            end = min(end, done + self._uneventful(table[done:end, :2]))
+            before, outermost = contact.state, self._outermost
+            last = done - 1 + contact.take(*ahead.part(done, end), *self.wall.known[4:6])
+            if last > done:
+                if before == CONTACT:
+                    table[done:last, 5] = ~(x[done:last] < outermost)  # NaN while not known
+                blocks.extend(ahead.t[last - 1], table[done:last])
+                yield last, before
+            done = last + 1
+            at, *sample = ahead.sample(last)
+            dt = blocks.step(at, sample[1])
+            if contact.state != before:
+                self._change(at, sample[1], before)
+            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
+            yield done, contact.state
+
+    def _uneventful(self, later: Array) -> int:
+        """Return the number of samples until a block may end, with the one that may end it."""
+        blocks = self.blocks
+        count = max(blocks.wanted - blocks.pending, 1)
+        if self.contact.state == CONTACT and blocks.wanted == blocks.settled:
+            shorts = blocks.shorts(later[:count])
+            alarms = np.flatnonzero(self.wall.alarms(shorts)) if shorts.size else _NONE
+            if len(alarms):
+                count = blocks.short * (int(alarms[0]) + 1) - blocks.pending % blocks.short
+        return count
+
+    @property
+    def _outermost(self) -> float:
+        """Return the position outside of which no force is that of the wall [m]."""
+        known = self.wall.known
+        return known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
+
+    def _change(self, t: float, x: float, before: int) -> None:
+        """Begin or end a contact; at NaN if a short one is not to be used."""
+        if before == CONTACT:
+            self._leave(t)
+        elif self.contact.state == CONTACT:
+            self._touch(t, x)
+
+    def _learn(self, dt: float, sample: tuple[float, ...], usable: bool) -> None:
+        """Add a sample to the block; begin the work on a block that it completes."""
+        blocks, taught = self.blocks, usable and self.contact.state == CONTACT
+        windows = blocks.add(dt, sample, taught)
         if windows:
-            if self._work is not None:
-                self._go_on(to_end=True)
-            self._work = self._parts_of(windows)
-        return state
+            self._begin_work(self.wall.parts_of(windows))
+        elif taught and blocks.pending and blocks.wanted == blocks.settled and not (
+                blocks.pending % blocks.short) and self.wall.alarms(blocks.shorts(_NONE))[0]:
+            self._split()
 
-    def _follow_tap(self, force: float, x: float, before: int, state: int) -> None:
-        """Keep the samples around a touch; a contact that was shorter than rows has no others."""
-        tap = self._tap
-        if state == CONTACT:
-            if before != CONTACT:
-                self._tap = tap = list(self._recent)
-            if tap is not None:
-                tap.append((force, x))
-                if len(tap) > self._longest_tap:
-                    self._tap = None
-        elif tap is not None:
-            self._tap = None
-            if self._work is not None:
-                self._go_on(to_end=True)
-            self._work = self._learn_tap(np.array(tap).T)
-        self._recent.append((force, x))
+    def _split(self) -> None:
+        """Make a block of its own of the last samples, from which the wall may be another."""
+        blocks = self.blocks
+        last, windows = blocks.short // blocks.smoothing.hop, blocks.close()
+        work = self.wall.parts_of(min(last, windows), alarmed=True) if windows else iter(())
+        if windows > last:
+            work = chain(self.wall.parts_of(windows - last, blocks.short), work)
+        self._begin_work(work)
 
-    def _learn_tap(self, samples: Array) -> Iterator[None]:
-        """Add the rows of a short contact, about the surface that it shows."""
-        smooth, contact = self.blocks.smoothing, self.contact
-        rising = before_release(smooth, samples[0] - contact.level, samples[1], contact.variance)
-        if rising is None:
-            return
-        force, x = rising
-        yield
-        found = surface_of_touch(
-            smooth, force, x, smooth.hop / self.contact.variance, self._gram, self._x0,
-            self._scale, tuple(np.array(self._surfaces).T))  # type: ignore[arg-type]
-        if found is None:
-            return
-        yield
-        surface, std = found
-        if std < _STRADDLES * self._move_to(surface):
-            phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self.blocks.noise, True)
-            self._add((phi * self._weights(phi)) @ phi.T, phi)
-            yield
-            if self._blocks <= _START:
-                self._find_scale()
-            yield from self._judge()
-            self._runs.begin()
+    def _begin_work(self, work: Iterator[None] | None) -> None:
+        """Finish the work before, since what it has judged may change."""
+        if self._work is not None:
+            self._go_on(to_end=True)
+        self._work = work
+
+    def _leave(self, t: float) -> None:
+        """Use what is left of a contact that is over; a short one has no rows but of its touch."""
+        blocks = self.blocks
+        windows = blocks.close()
+        work = self.wall.parts_of(windows) if windows else iter(())
+        lasted = t - self._touch_t
+        if lasted <= _TAP_S + 0.5 * blocks.period_s:
+            count = 3 * blocks.smoothing.half + round(lasted / blocks.period_s)
+            work = chain(work, self.wall.learn_tap(blocks.last(count)))
+        self._begin_work(chain(work, self.wall.weigh_rest()))
+        blocks.wanted = blocks.settled
 
     def _go_on(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
         assert self._work is not None
-        for _ in range(_PARTS if to_end else self._parts):
+        parts = -(-_PARTS // max(self.blocks.wanted - 1, 1))  # done before the next block
+        for _ in repeat(None) if to_end else range(parts):
             if next(self._work, _DONE) is _DONE:
                 self._work = None
                 return
@@ -335,254 +274,12 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self.blocks.begin(stamps)
-        smooth = self.blocks.smoothing
-        self._parts = -(-_PARTS // max(self.blocks.short - 1, 1))
-        self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
-        self._longest_tap = 3 * smooth.half + round(_TAP_S / self.blocks.period_s)
         self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
-    def _touch(self, x: float) -> None:
+    def _touch(self, t: float, x: float) -> None:
         """Begin a contact: the wall may be another."""
-        self._of_contact, self.blocks.wanted = 0, self.blocks.short
-        known = self.known
-        if known.surface != known.surface:
-            self._x0 = x
-            self._surfaces = [(x, ANYWHERE_M, 1.0)]
-        elif x < known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M:  # another wall
-            self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
-        self._touched = x
-
-    # -- inference --------------------------------------------------------------------------
-
-    @property
-    def scene(self) -> Scene:
-        """Return what all hypotheses share now."""
-        return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
-
-    def _parts_of(self, windows: int) -> Iterator[None]:
-        """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
-        blocks, known = self.blocks, self.known
-        phi = blocks.rows(windows, self._x0, self.contact)
-        if phi is None:
-            return
-        phi[FORCE] -= self.inertia * phi[ACCELERATION]
-        yield
-        weights = self._weights(phi)
-        surprise = self._surprise(phi, weights)
-        if surprise and known.valid:
-            wall = known.stiffness, known.damping, known.surface
-            weights = weights * blocks.beside_jumps(windows, wall, self.contact.variance)
-        self._add((phi * weights) @ phi.T, phi)
-        early = self._of_contact <= _EARLY or self._blocks <= _SETTLED
-        self._alert = _ALERT if surprise else max(self._alert - 1, 0)
-        blocks.wanted = blocks.short if early or self._alert else blocks.long
-        if early or self._alert or self._blocks % _EVERY == 0:
-            yield
-            if self._blocks <= _START:
-                self._find_scale()
-                yield
-            yield from self._judge()
-        self._runs.begin()
-
-    def _weights(self, phi: Array) -> Array:
-        """Return samples a row over its variance: of noises, stamps, and errors of any model."""
-        T, K, force = self.blocks.period_s, self._scale, phi[FORCE]
-        B = K * max(self._seconds - self.lag.lag[0], 0.0)
-        smooth = self.blocks.smoothing
-        variance = (self.contact.variance + np.square(JITTER_S * phi[FORCE_RATE])
-                    + np.square(MODEL_ERROR * force) * (MODEL_ERROR_S / T)
-                    + self.blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
-        return np.asarray(smooth.hop / variance)
-
-    def _add(self, gram: Array, phi: Array) -> None:
-        """Add a block to all that is known; the older, the less."""
-        seconds = phi.shape[1] * self.blocks.smoothing.hop * self.blocks.period_s
-        fade = exp(-seconds / FADE_S)
-        if self._touched == self._touched:
-            if self._blocks:
-                self._runs.begin(self._touched)
-            self._touched = nan
-        self._blocks += 1
-        self._of_contact += 1
-        self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
-        depth = max(float(phi[DEPTH].mean()), 1e-5)
-        self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
-        self._gram *= fade
-        self._gram += gram
-        self._runs.add(gram, fade, seconds)
-        self._moving.add(gram, fade, seconds, self._scale)
-        self._odds = LOG_PRIOR + (self._odds - LOG_PRIOR) * fade
-
-    def _find_scale(self) -> None:
-        """Find the stiffness that scales the priors of a wall that is not known."""
-        centre, std, prior = np.tile(np.array(self._surfaces).T, len(_SCALES))
-        scales_ = np.repeat(_SCALES, len(self._surfaces))
-        what = Hypotheses(np.full(len(centre), KELVIN_VOIGT), scales_, centre, std)
-        found = judge(np.repeat(self._gram[None], len(centre), axis=0), self.scene, what)
-        odds = found.evidence + np.log(prior)
-        odds[found.theta[:, 0] <= 0.0] = -inf
-        K, B = found.theta[int(np.argmax(odds)), :2].tolist()
-        self._rescale(K, B, float(_SCALES[0]), self.lag.lag[0])
-
-    def _rescale(self, K: float, B: float, least: float, lag: float = 0.0) -> None:
-        """Scale the priors by K_e, at least, and by B_e less what a lag has taken from it."""
-        self._scale = max(K, least)
-        self._seconds = max(B / self._scale + lag, 0.0)
-
-    def _hypotheses(
-        self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]
-    ) -> Hypotheses:
-        count = len(surfaces)
-        centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
-        return Hypotheses(np.repeat(laws, count), np.full(len(centre), self._scale), centre, std)
-
-    def _judge(self) -> Iterator[None]:
-        """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
-        scene = self.scene
-        what = self._hypotheses(np.arange(_LAWS), self._surfaces)
-        moves: NDArray[np.bool_] = what.law == MOVING
-        grams = np.repeat(self._gram[None], len(moves), axis=0)
-        grams[moves] = self._moving.gram
-        judged = judge(grams, scene, what)
-        odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
-        still = int(np.argmax(np.where(moves, -inf, odds)))
-        yield
-        best = what.only(still)
-        change = None
-        before = self._runs.before(self._gram, scene, best)
-        if before is not None:
-            yield
-            change = self._runs.since(before, scene, float(judged.evidence[still]),
-                                      self.blocks.wanted * self.blocks.period_s)
-            # A wall at rest may have changed instead of moving.
-            odds = odds + np.where(
-                moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
-        yield
-        gap, rest = float(odds[moves].max() - odds[~moves].max()), self._odds[:MOVING].max()
-        self._moving.restart_if_far(self._gram, gap, float(rest))
-        weights = np.exp(odds - odds.max())
-        weights /= weights.sum()
-        top = int(np.argmax(odds))
-        self._top = what.law[top:top + 1], judged.theta[top], scene
-        self._tell(weights, judged, what, change, int(what.law[still]), scene)
-        if self._blocks > _SETTLED:
-            self._learn_lag(weights, judged)
-        certain = decided(change)
-        if change is not None and certain >= 0:
-            yield
-            self._commit(change, certain, best, scene, min(gap, 0.0))
-        self._follow_surface()
-
-    def _prior_odds(self, what: Hypotheses, moves: NDArray[np.bool_]) -> Array:
-        prior = np.log([one[2] for one in self._surfaces])
-        own = np.where(moves, self._moving.prior, self._odds[what.law])
-        return np.asarray(own + np.tile(prior, _LAWS))
-
-    def _commit(
-        self, change: Change, best: int, still: Hypotheses, scene: Scene, gap: float
-    ) -> None:
-        """Drop the wall before a change; what was told of laws and motion stays a prior."""
-        run = int(change.run[best])
-        centre, std = float(change.centre[best]), float(change.std[best])
-        gram = self._runs.commit(run)
-        before = judge(
-            np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-            self._hypotheses(np.arange(_LAWS), [(float(still.centre[0]),
-                                                 float(still.std[0]), 1.0)])).evidence
-        most = float(before[:MOVING].max())
-        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
-        self._gram = gram
-        self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
-        self.changes += 1
-        self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
-        if abs(self._told[0] - centre) < 4.0 * std:
-            self._surfaces.append((self._told[0], AS_TOLD_M, 1.0 - STILL_THERE))
-        K, B = change.judged.theta[best, :2].tolist()
-        self._rescale(K, B, 1.0, self.lag.lag[0])
-        self._depth_s = 0.0
-
-    def _surprise(self, phi: Array, weights: Array) -> bool:
-        """Average the residual of a block under what was known; return whether it surprises."""
-        if self._top is None:
-            return False
-        law, theta, scene = self._top
-        if scene.x0 != self._x0:
-            return True
-        columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
-        tau = scene.lag[0] if DEEP[law[0]] else 0.0
-        error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
-        smooth = self.blocks.smoothing
-        ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
-        if self._blocks <= _SETTLED or self._of_contact <= _EARLY:
-            return ratio > _SURPRISE
-        before = self._residual if self._residual == self._residual else 1.0
-        share = phi.shape[1] * smooth.hop * self.blocks.period_s / _RESIDUAL_S
-        self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
-        return ratio > _SURPRISE
-
-    def _learn_lag(self, weights: Array, judged: Judged) -> None:
-        """Learn the lag where a spring and a damper are all that is there."""
-        of_law = weights.reshape(_LAWS, -1)
-        if of_law[KELVIN_VOIGT].sum() > 0.5:
-            k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
-            self.lag.learn(judged.theta[k], judged.P[k])
-
-    def _tell(
-        self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
-        law: int, scene: Scene,
-    ) -> None:
-        """Publish the mixture of all hypotheses."""
-        of_law = weights.reshape(_LAWS, -1).sum(1)
-        found = walls(judged, what.law, scene, ANYWHERE_M)
-        if change is not None:
-            changed = np.append(change.odds, 0.0)
-            share = np.exp(changed - np.logaddexp.reduce(changed))[:-1] * (1.0 - of_law[MOVING])
-            since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
-            found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
-            weights = np.concatenate([weights * (1.0 - share.sum()), share])
-        means, spreads = [], []
-        for values, variances in zip(found[:3], found.variances):
-            mean = float(weights @ values)
-            means.append(mean)
-            spreads.append(float(weights @ (variances + np.square(values - mean))))
-        K, B, delta = means
-        mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
-        K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
-        surface, surface_std = self.known.surface, self.known.surface_std
-        if K_std < _SURE * K:  # else nothing is found of it
-            surface, surface_std = self._x0 + delta, sqrt(spreads[2]) + 2e-6
-        self.known = Knowledge(
-            K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
-            float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            sqrt(self._residual) if self._residual == self._residual else nan)
-        self._rescale(K, B, _SOFTER * self._scale)
-
-    def _follow_surface(self) -> None:
-        """Move the reference of the columns to the surface where that is known better."""
-        known = self.known
-        off = abs(known.surface - self._x0)
-        if known.valid and off > max(2.0 * known.surface_std, AS_TOLD_M) and (
-                known.surface_std < 0.3 * self._depth):
-            self._move_to(known.surface)
-
-    def _move_to(self, surface: float) -> float:
-        """Move the reference of the columns to a place [m]; return the mean depth from there."""
-        delta = surface - self._x0
-        table = shifted_table(delta)
-        self._gram = table @ self._gram @ table.T
-        self._moving.move(table)
-        self._runs.move(table)
-        self._x0 += delta
-        self._depth = max(self._depth - delta, 1e-5)
-        return self._depth
-
-
-def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
-    """Return what it costs that stiffness, damping, friction and mass are not negative."""
-    theta, P = judged.theta, judged.P
-    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
-    values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
-                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
-    variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
-    below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
-    return np.minimum(0.5 * below.sum(0), 15.0)
+        self._begin_work(None)
+        self.blocks.close()  # nothing is learned from free flight
+        self._touch_t = t
+        self.wall.touch(x)
+        self.blocks.wanted = 3 * self.blocks.short // 2  # the first whole window is longer

@@ -17,16 +17,17 @@
 from __future__ import annotations
 
 from math import log, nan
-from typing import NamedTuple
+from typing import Generator, NamedTuple
 
 import numpy as np
 
 from .constants import (
     ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS)
-from .evidence import Hypotheses, judge, Judged, Scene, surfaces
+from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
 _LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
+_YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
 
@@ -42,8 +43,8 @@ class Change(NamedTuple):
         The wall since then.
     centre, std : ndarray, shape (N,)
         Prior of its surface [m].
-    run : ndarray of int, shape (N,)
-        Index of the run.
+    run, place : ndarray of int, shape (N,)
+        Index of the run, and of the surface before it.
 
     """
 
@@ -52,6 +53,7 @@ class Change(NamedTuple):
     centre: Array
     std: Array
     run: Ints
+    place: Ints
 
 
 class Before(NamedTuple):
@@ -66,6 +68,8 @@ class Before(NamedTuple):
         Gram matrices since then.
     judged : Judged
         The wall before.
+    place : ndarray of int, shape (N,)
+        Index of its surface: that which explained best what was before.
     law : int
         Index of the law.
 
@@ -74,6 +78,7 @@ class Before(NamedTuple):
     used: Ints
     since: Array
     judged: Judged
+    place: Ints
     law: int
 
 
@@ -102,6 +107,7 @@ class Runs:
         """Forget all runs."""
         self._grams = np.zeros((RUNS + 1, COLUMNS, COLUMNS))
         self._ages: list[int] = []
+        self._seconds: list[float] = []
         self._touches: list[float] = []
 
     def begin(self, touch: float = nan) -> None:
@@ -112,11 +118,12 @@ class Runs:
             count -= 1
         self._grams[count] = 0.0
         self._ages.append(0)
+        self._seconds.append(0.0)
         self._touches.append(touch)
 
     def _least_useful(self) -> int:
         """Return the inner run whose neighbours are nearest to each other in their ratio."""
-        ages = np.array(self._ages) + 1.0
+        ages = np.array(self._seconds) + _YOUNG_S
         ratio = ages[:-2] / ages[2:]
         kept = np.array(self._touches[1:-1])
         return int(np.argmin(np.where(kept == kept, np.inf, ratio)))
@@ -124,7 +131,7 @@ class Runs:
     def _drop(self, index: int) -> None:
         count = len(self._ages)
         self._grams[index:count - 1] = self._grams[index + 1:count]
-        del self._ages[index], self._touches[index]
+        del self._ages[index], self._seconds[index], self._touches[index]
 
     def add(self, gram: Array, fade: float, seconds: float) -> None:
         """Add a block to every run."""
@@ -132,6 +139,7 @@ class Runs:
         runs *= fade
         runs += gram
         self._ages = [age + 1 for age in self._ages]
+        self._seconds = [age + seconds for age in self._seconds]
         self.seconds += seconds
 
     def move(self, table: Array) -> None:
@@ -139,14 +147,16 @@ class Runs:
         count = len(self._ages)
         self._grams[:count] = table @ self._grams[:count] @ table.T
 
-    def recent(self, blocks: int) -> Array:
-        """Return the Gram matrix of the youngest run with at least so many blocks, else oldest."""
-        old = [k for k, age in enumerate(self._ages) if age >= blocks]
+    def recent(self, seconds: float) -> Array:
+        """Return the Gram matrix of the youngest run of at least so many seconds, else oldest."""
+        old = [k for k, age in enumerate(self._seconds) if age >= seconds]
         return self._grams[old[-1] if old else 0]
 
-    def before(self, gram: Array, scene: Scene, what: Hypotheses) -> Before | None:
+    def before(
+        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array
+    ) -> Generator[None, None, Before | None]:
         """
-        Judge what was before each run.
+        Judge what was before each run, in parts.
 
         Parameters
         ----------
@@ -155,28 +165,35 @@ class Runs:
         scene : Scene
             As of `evidence.judge`.
         what : Hypotheses
-            One: the law with its surface.
+            One law with each of its surfaces.
+        prior : ndarray, shape (M,)
+            Log prior of these.
 
         Returns
         -------
         before : Before or None
-            None where there is no run of sufficient length.
+            None where there is no run of sufficient length; its evidence contains the prior.
 
         """
         used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
         if not len(used):
             return None
-        since = self._grams[used]
-        ones = np.ones(len(used))
-        judged = judge(gram - since, scene, Hypotheses(
-            np.repeat(what.law, len(used)), *(one * ones for one in what[1:])))
-        return Before(used, since, judged, int(what.law[0]))
+        since, places = self._grams[used], len(prior)
+        count = len(used)
+        judged = yield from judge_in_parts(
+            np.repeat(gram - since, places, axis=0), scene, Hypotheses(
+                np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
+        evidence = judged.evidence.reshape(-1, places) + prior
+        place = evidence.argmax(axis=1)
+        best = place + places * np.arange(count)
+        return Before(used, since, Judged(
+            evidence.max(axis=1), judged.theta[best], judged.P[best]), place, int(what.law[0]))
 
     def since(
         self, before: Before, scene: Scene, evidence: float, block_s: float
-    ) -> Change:
+    ) -> Generator[None, None, Change]:
         """
-        Judge the wall since each run, and whether it is another one.
+        Judge the wall since each run, and whether it is another one, in parts.
 
         Parameters
         ----------
@@ -185,7 +202,7 @@ class Runs:
         scene : Scene
             As of `evidence.judge`.
         evidence : float
-            Of the law on all data.
+            Of the law on all data, with its prior.
         block_s : float
             Duration of a block [s].
 
@@ -195,7 +212,7 @@ class Runs:
             The hypotheses of a change.
 
         """
-        used, since, judged, law = before
+        used, since, judged, place, law = before
         delta, variance = surfaces(judged)
         delta = np.clip(delta, -ANYWHERE_M, ANYWHERE_M)
         variance = np.minimum(variance, ANYWHERE_M * ANYWHERE_M)
@@ -210,10 +227,10 @@ class Runs:
         prior = np.concatenate([hazard, np.full(len(touched), new)])
         grams = since[run]
         stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
-        found = judge(grams, scene, Hypotheses(
+        found = yield from judge_in_parts(grams, scene, Hypotheses(
             np.full(len(run), law), stiffness, centre, std))
         odds = judged.evidence[run] + found.evidence - evidence + prior
-        return Change(odds, found, centre, std, used[run])
+        return Change(odds, found, centre, std, used[run], place[run])
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""

@@ -38,7 +38,7 @@ def before_release(
     Return the samples of a short contact that rows can be made of.
 
     The release, where the wall lets go, is not used. None where the force is too weak to be sure
-    that it was a contact, or there are too few samples.
+    that it was a contact, where it presses from the beginning, or there are too few samples.
 
     """
     deviation = sqrt(variance)
@@ -50,6 +50,8 @@ def before_release(
     if windows < 1:
         return None
     length = smooth.length(windows)
+    if force[end - length] > PRESSES * deviation:  # its touch is not among the samples
+        return None
     return force[end - length:end], x[end - length:end]
 
 
