@@ -29,6 +29,9 @@ MOST_BYTES = 1 << 20
 """Longest YAML file; parameter files hold some 20 kB."""
 MOST_LEVELS = 50
 """Deepest nesting of YAML; parameter files have 5 levels."""
+MOST_VALUES = 100_000
+"""Values of a YAML file, as often as aliases repeat them."""
+
 _MOST_PRINTED = 4000  # characters of a line
 
 
@@ -66,7 +69,7 @@ def yaml_file(path: Path) -> Any:
     ----------
     path : Path
         A regular file of at most `MOST_BYTES`, nested at most `MOST_LEVELS` deep, with integers
-        of 64 bits and without aliases, as the parameter files of ROS 2.
+        of 64 bits and at most `MOST_VALUES` values.
 
     Returns
     -------
@@ -126,23 +129,33 @@ def json_content(text: str) -> Any:
 class _BoundedLoader(yaml.SafeLoader):
     """Refuse what takes unbounded time or memory, and name values that Python cannot hold."""
 
-    _level = 0
+    def __init__(self, stream: Any) -> None:
+        super().__init__(stream)
+        self._level, self._count = 0, 0
+        self._sizes = dict[int, int]()
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Count levels; refuse aliases, whose expansion may grow without bound."""
+        """Count levels, and values as often as aliases repeat them."""
         event: Any = self.peek_event()
-        place: Any = event.start_mark
-        if isinstance(event, yaml.AliasEvent):
-            raise yaml.composer.ComposerError(
-                None, None, f'alias *{event.anchor} is not supported, nor is it by ROS 2; write '
-                'its content out', place)
+        before, self._count = self._count, self._count + 1
         if self._level == MOST_LEVELS:
-            raise yaml.composer.ComposerError(
-                None, None, f'it is nested more than {MOST_LEVELS} levels deep', place)
+            self._refuse(f'it is nested more than {MOST_LEVELS} levels deep', event)
         self._level += 1
         node = super().compose_node(parent, index)
         self._level -= 1
+        if isinstance(event, yaml.AliasEvent):
+            if id(node) not in self._sizes:
+                self._refuse(f'alias *{event.anchor} is part of itself', event)
+            self._count = before + self._sizes[id(node)]
+        else:
+            self._sizes[id(node)] = self._count - before
+        if self._count > MOST_VALUES:
+            self._refuse(f'it has more than {MOST_VALUES} values with what aliases repeat', event)
         return node
+
+    @staticmethod
+    def _refuse(text: str, event: Any) -> None:
+        raise yaml.composer.ComposerError(None, None, text, event.start_mark)
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
         """Name the value where PyYAML has errors of its own, or an integer of any size."""

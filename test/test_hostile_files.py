@@ -37,7 +37,10 @@ import pytest
     ('a: 2001-99-99', "'2001-99-99' is no timestamp"),
     (f'a: {"9" * 5000}', 'is no int of 64 bits'),
     ('[' * 100_000, 'more than 50 levels deep'),
-    ('a: &a {b: 1}\nc: *a', r'alias \*a is not supported'),
+    ('a: &a [*a]', r'alias \*a is part of itself'),
+    ('a: &a [1, 1, 1]\n' + ''.join(
+        f'{y}: &{y} [*{x}, *{x}, *{x}, *{x}, *{x}]\n' for x, y in zip('abcdefgh', 'bcdefghi')),
+     'more than 100000 values'),
     ('#' * (1 << 21), 'at most 1048576 bytes'),
     ('version https://git-lfs.github.com/spec/v1', 'git lfs pull'),
 ])
