@@ -32,6 +32,7 @@ from .command_line import (
     Parser,
     topics_of,
 )
+from .diagnose_arm import run as run_arm
 from .progress import Progress
 from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
@@ -42,7 +43,7 @@ from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import RecordingError
+from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..plant.model_file import read_model
 from ..recordings.identity import share_data
@@ -59,8 +60,11 @@ def make_parser() -> Parser:
     )
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='.mcap file or rosbag2 folder')
-    parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
+    parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
+    parser.add_argument('--nominal-robot', metavar='ARM.urdf',
+                        help='robot description in its place: what a whole arm lacks, joint by '
+                        'joint, from joint states with efforts (extra robots)')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
                         help='recordings to test on (default: a part of each recording)')
     parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
@@ -93,6 +97,12 @@ def run(options: Any) -> int:
         0.
 
     """
+    if options.nominal_robot:
+        return run_arm(options)
+    if not options.nominal:
+        raise ParameterRangeError(
+            'one of --nominal MODEL.yaml (a contact) and --nominal-robot ARM.urdf (a whole arm) '
+            'must be given, got neither; see diagnose --help')
     outputs = (options.json, options.html, options.write_model, options.write_comparison,
                _experiment_file(options))
     for path in outputs:

@@ -23,7 +23,8 @@ import numpy as np
 
 from .evidence import Evidence, Scored
 
-_WIDE, _LAWS, _DEEP = 3, 3, 4  # models that are extended at a time; laws and effects of a model
+_WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
+LAWS = 3  # of a model of one contact
 # Extensions that are fitted to the end; nats below the best, from where that may bring one back.
 _REFINED, _NEAR = 2, 10.0
 
@@ -68,7 +69,7 @@ class Compared(NamedTuple):
 
 def search(
     space: Space, progress: Callable[[str], None], known: Sequence[Scored] = (),
-    extend: bool = True,
+    extend: bool = True, laws: int = LAWS,
 ) -> Compared:
     """
     Extend the best models as long as the gain that is left could pay for a further law.
@@ -84,6 +85,8 @@ def search(
         the nominal model.
     extend : bool
         Whether models are extended.
+    laws : int
+        Number from which on a model is not.
 
     Returns
     -------
@@ -102,7 +105,7 @@ def search(
     evidence = evidence.informed_by(pool.values())
     for _ in range(_DEEP if extend else 0):
         frontier = [one for one in evidence.ranked(pool.values())[:_WIDE]
-                    if one.key not in done and one.laws < _LAWS
+                    if one.key not in done and one.laws < laws
                     and _may_gain(evidence, one)]
         if not frontier:
             break
