@@ -91,7 +91,7 @@ def _rotor(one: _Arm, rng: np.random.Generator) -> ArmLaw:
 def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a compliance that changes the torques of its joint by some per cent."""
     j = one.loaded(rng)
-    return ArmLaw('joint_flexibility', [rng.uniform(0.01, 0.04) / np.abs(one.load[:, j]).max()], j)
+    return ArmLaw('joint_flexibility', [rng.uniform(0.03, 0.08) / np.abs(one.load[:, j]).max()], j)
 
 
 def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
@@ -117,7 +117,7 @@ KINDS: Mapping[str, Draw] = {
     'force_bias': _at('force_bias', 'joint', 0.1, 0.25, True),
     'force_gain': _at('force_gain', 'loaded', 0.12, 0.3, True),
     'joint_flexibility': _flexible,
-    'backlash': _at('backlash', 'loaded', 0.02, 0.06),
+    'backlash': _at('backlash', 'loaded', 0.03, 0.08),
     'force_delay': _delay,
     'base_tilt': lambda one, rng: ArmLaw('base_tilt', rng.choice([-1, 1], 2) * np.radians(
         rng.uniform(1.5, 4.0, 2))),

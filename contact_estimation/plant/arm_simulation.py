@@ -32,7 +32,7 @@ _STEP_S = 1e-3
 _BANDWIDTH, _RATIO = 2.0 * np.pi * 6.0, 0.7  # of the position control [rad/s], damping ratio
 _SLOW = 0.05  # speed of which a fiftieth is the width of a sharp sgn [rad/s]
 _SECANT = 1e-5  # [rad/s]
-_MOTOR = 0.2  # inertia of a motor behind a spring, in that of its link
+_MOTOR = 0.03  # inertia of a motor behind a spring, in that of its link
 _GEAR = 5e4, 20.0  # stiffness and damping of a gear with backlash, per its link's inertia
 _INERTIAL = ('payload', 'link_inertia')
 _SENSED = ('force_gain', 'force_bias', 'force_delay')
@@ -101,7 +101,7 @@ def simulate_arm(
     Let an arm follow a trajectory.
 
     Linearly implicit Euler steps of 1 ms, so that dry friction sticks: with f the friction,
-    (M + h df/dv + h D) v+ = M v + h (u - C v - g - f + df/dv v).
+    (M + h df/dv + h D) v+ = M v + h (u - C v - g - f + df/dv v), D the gain of the control.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class _Body:
         """Return the torque of all laws that depend on the state."""
         n = len(self.q)
         motion = JointMotion(self.arm, self.q[None], v[None], np.zeros((1, n)), self._load[None],
-                             np.full(n, _SLOW))
+                             np.full(n, _SLOW), np.zeros(n))
         out = np.zeros(n)
         for effect, place, shape, theta in self._grouped:
             for j, column in effect.columns(motion, place, shape).items():
@@ -182,7 +182,7 @@ class _Body:
         h, n, m = _STEP_S, len(self.q), self.motors
         seen, fast = self.q.copy(), self.v.copy()
         seen[m], fast[m] = self.theta, self.omega
-        u = feed + self._stiff * (q_d - seen) + self._damp * (v_d - fast)
+        u = feed + self._stiff * (q_d - seen) + self._damp * v_d
         drag = self._friction(fast)
         slope = (self._friction(fast + _SECANT) - drag) / _SECANT
         M, bias = self.arm.forward(self.q, self.v, np.zeros(n))
@@ -202,9 +202,10 @@ class _Body:
                 b[row] += sign * h * K * bent
                 A[row, n + k] -= sign * h * (h * K + D)
                 A[row, j] += sign * h * (h * K + D)
-        A[drives, drives] += h * slope
+        A[drives, drives] += h * (slope + self._damp)
         b[drives] += h * (slope * fast - drag)
         new = np.linalg.solve(A, b)
+        u -= self._damp * new[drives]
         self._load = M @ (new[:n] - self.v) / h + bias
         self.v, self.omega = new[:n], new[n:]
         self.q, self.theta = self.q + h * self.v, self.theta + h * self.omega

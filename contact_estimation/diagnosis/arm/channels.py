@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Callable, Iterable, NamedTuple, Sequence, TYPE_CHECKING
 
 import numpy as np
@@ -175,6 +175,7 @@ class Channels:
         self.measured: list[int]
         self.cut_off: float
         self.speed: Array
+        self.middle: Array
         self.terms: list[Term]
         self.arm, self.names = arm, [one.name for one in recordings]
         known = np.all([one.has_effort for one in recordings], axis=0)
@@ -188,7 +189,9 @@ class Channels:
         motions = [self._motion(one) for one in raw]
         self.speed = like.speed if like else np.percentile(
             np.abs(np.concatenate([one.v for one in motions])), 95, axis=0) + 1e-9
-        motions = [JointMotion(arm, one.q, one.v, one.a, one.load, self.speed, one.period)
+        self.middle = like.middle if like else np.concatenate(
+            [one.q for one in motions]).mean(axis=0)
+        motions = [replace(one, speed=self.speed, middle=self.middle)
                    for one in motions]
         self.motion = motions[0]
         self.terms = like.terms if like else self._terms(len(recordings))
@@ -204,7 +207,7 @@ class Channels:
         q = low_pass(stretch.q, 1.0 / period, _POSITION * self.cut_off)
         v = np.gradient(q, period, axis=0)
         a = np.gradient(v, period, axis=0)
-        return JointMotion(self.arm, q, v, a, self.arm.torque(q, v, a), v[0], period)
+        return JointMotion(self.arm, q, v, a, self.arm.torque(q, v, a), v[0], q[0], period)
 
     def _terms(self, files: int) -> list[Term]:
         """List all laws at all places; a payload may be that of one file alone."""

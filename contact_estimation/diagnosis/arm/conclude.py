@@ -28,12 +28,13 @@ from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
 from .space import ArmModels, label, MOST_LAWS
 from ..compare.beam import Compared, search
-from ..compare.names import likely, Named
+from ..compare.names import likely, Name, Named
 from ...exceptions import ParameterRangeError, RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics
 from ...physics.joints import JOINT_EFFECTS
 
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
+_WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
 _WORTH_ZERO = 0.02  # the same of a zero, which every torque has
 _CERTAIN = 3.0  # standard deviations
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
@@ -135,12 +136,16 @@ def _concluded(
                            'next_experiment': _next(effects)})
 
 
-def _worth(names: ArmNames, named: Named) -> list[tuple[Term, object]]:
+def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
     """Return the laws that are large enough for a name: by their torque, or by what they take."""
     by_label = {label(term): term for term in names.model}
-    return [(by_label[one.effect], one) for one in named.names
-            if max(names.sizes(by_label[one.effect]).max(),
-                   names.removed(by_label[one.effect]).max()) >= _WORTH]
+    found = []
+    for one in named.names:
+        term = by_label[one.effect]
+        size = max(names.sizes(term).max(), names.removed(term).max())
+        if size >= _WORTH or size >= _WORTH_CERTAIN and names.gain(term) >= _BEYOND_DOUBT:
+            found.append((term, one))
+    return found
 
 
 def _zeros(names: ArmNames) -> list[Term]:

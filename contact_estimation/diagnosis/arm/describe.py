@@ -154,7 +154,7 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     share = share_of(
         names.compared.evidence, names.without(term), names.named.model, main)
     return ArmEffect(
-        term.effect, effect.family, effect.equation, term,
+        effect.name, effect.family, effect.equation, term,
         tuple(arm.joints[j] for j in where),
         arm.links[term.place] if effect.place == 'link' or term.effect == 'payload' else '',
         gram.channels.names[term.file] if term.file >= 0 and len(gram.channels.names) > 1 else '',

@@ -72,7 +72,7 @@ class TorqueBias(JointEffect):
 
 
 class JointSpring(JointEffect):
-    """K (q - q_0): a cable, a hose or a spring at a joint; K q_0 belongs to the zero."""
+    """K (q - q_0): a cable, a hose or a spring at a joint; q_0 belongs to the zero of the torque."""
 
     name = 'joint_spring'
     family = 'elastic_law'
@@ -82,9 +82,8 @@ class JointSpring(JointEffect):
 
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
-        """Return q less its mean; see `JointEffect.columns`."""
-        q = motion.q[:, place]
-        return {place: (q - q.mean(axis=0))[:, None]}
+        """Return q - q_0; see `JointEffect.columns`."""
+        return {place: (motion.q[:, place] - motion.middle[place])[:, None]}
 
 
 class Counterbalance(JointSpring):
@@ -115,8 +114,7 @@ class PolynomialSpring(JointSpring):
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
         """Return powers of d; see `JointEffect.columns`."""
-        q = motion.q[:, place]
-        d = q - q.mean(axis=0)
+        d = motion.q[:, place] - motion.middle[place]
         return {place: np.stack([d, d**2, d**3], axis=1)}
 
 
@@ -159,7 +157,6 @@ class LinkSideEncoder(FlexibleJoint):
     """
 
     equation = "tau += I_r (compliance load)''"
-    name = 'joint_flexibility_link_side'
     coefficients: tuple[tuple[str, str], ...] = (('I_r compliance', 's^2'),)
 
     @classmethod

@@ -42,8 +42,8 @@ class JointMotion:
         Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
     load : ndarray, shape (N, n)
         RNEA(q, v, a) [N m].
-    speed : ndarray, shape (n,)
-        That each joint exceeds in 5 % of the time [rad/s].
+    speed, middle : ndarray, shape (n,)
+        What each joint exceeds in 5 % of the time [rad/s], and its mean position [rad].
     period : float
         Between samples [s].
 
@@ -55,6 +55,7 @@ class JointMotion:
     a: Array
     load: Array
     speed: Array
+    middle: Array
     period: float = 0.0
 
     @cached_property

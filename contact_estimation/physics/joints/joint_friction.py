@@ -108,7 +108,7 @@ class PreslidingJoint(_DryFriction):
     @classmethod
     def shapes(cls, motion: JointMotion, place: Place) -> tuple[float, ...]:
         """Return the travels that gears and their lubricants have [rad]."""
-        return (0.005, 0.02, 0.06)
+        return (0.001, 0.003, 0.01, 0.03)
 
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
