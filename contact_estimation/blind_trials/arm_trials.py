@@ -30,7 +30,7 @@ from ..diagnosis.arm.text import as_dict
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..messages import encode_arm
 from ..physics.joints import JOINT_EFFECTS
-from ..plant.arm_models import ARM_MODELS, arm_description
+from ..plant.arm_models import arm_description, ARM_MODELS
 from ..plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm, SimulatedArm
 from ..recordings.writing import RecordingWriter
 from ..reference.arm_excitation import ArmTrajectory, exciting_trajectory
@@ -119,11 +119,11 @@ KINDS: Mapping[str, Draw] = {
     'joint_flexibility': _flexible,
     'backlash': _at('backlash', 'loaded', 0.03, 0.08),
     'force_delay': _delay,
-    'base_tilt': lambda one, rng: ArmLaw('base_tilt', rng.choice([-1, 1], 2) * np.radians(
-        rng.uniform(1.5, 4.0, 2))),
+    'base_tilt': lambda one, rng: ArmLaw('base_tilt', [
+        float(sign * np.radians(rng.uniform(1.5, 4.0))) for sign in rng.choice([-1, 1], 2)]),
     'joint_spring': _at('joint_spring', 'loaded', 0.06, 0.2),
 }
-"""What is concealed; beside `nothing`, and `unknown`: a torque that is no function of the state."""
+"""What is concealed, beside nothing, and a torque that is no function of the state."""
 
 
 def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[str, Any]]:
@@ -218,7 +218,8 @@ def run_arm_trials(
         if not report.exists():
             found = diagnose_arm(read_arm_recording(recording), urdf.read_text())
             report.write_text(json.dumps(as_dict(found), indent=1) + '\n')
-        outcomes.append(scored(json.loads(truth.read_text()), json.loads(report.read_text()), stem))
+        outcomes.append(scored(
+            json.loads(truth.read_text()), json.loads(report.read_text()), stem))
     return outcomes
 
 

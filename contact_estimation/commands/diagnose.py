@@ -71,6 +71,12 @@ def make_parser() -> Parser:
     parser.add_argument('--html', metavar='FILE',
                         help='write the report with figures as one HTML file')
     parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
+    parser.add_argument('--write-urdf', metavar='FILE',
+                        help='write the corrected robot description, and beside it FILE.mjcf with '
+                        'friction, damping and armature for MuJoCo')
+    parser.add_argument('--write-trajectory', metavar='FILE.csv',
+                        help='write a motion by which the inertia of the links of --nominal-robot '
+                        'can be told, within its limits')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
@@ -99,6 +105,11 @@ def run(options: Any) -> int:
     """
     if options.nominal_robot:
         return run_arm(options)
+    for name in ('write_urdf', 'write_trajectory'):
+        if getattr(options, name):
+            raise ParameterRangeError(
+                f'--{name.replace("_", "-")} needs --nominal-robot ARM.urdf; give it in place of '
+                '--nominal')
     if not options.nominal:
         raise ParameterRangeError(
             'one of --nominal MODEL.yaml (a contact) and --nominal-robot ARM.urdf (a whole arm) '

@@ -17,13 +17,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Sequence
+from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
-from ..physics.joints import JOINT_EFFECTS, JointMotion, Place
+from ..physics.joints import JOINT_EFFECTS, JointEffect, JointMotion, Place
 from ..reference.arm_excitation import ArmTrajectory
 
 Array = NDArray[np.float64]
@@ -161,8 +161,10 @@ class _Body:
 
     def start(self, q: Array) -> None:
         """Begin at rest."""
-        self.q, self.v = q.copy(), np.zeros_like(q)
-        self.theta, self.omega = q[self.motors].copy(), np.zeros(len(self.motors))
+        self.q: Array = q.copy()
+        self.v: Array = np.zeros(len(q))
+        self.theta: Array = q[self.motors]
+        self.omega: Array = np.zeros(len(self.motors))
 
     def _friction(self, v: Array) -> Array:
         """Return the torque of all laws that depend on the state."""
@@ -204,7 +206,7 @@ class _Body:
                 A[row, j] += sign * h * (h * K + D)
         A[drives, drives] += h * (slope + self._damp)
         b[drives] += h * (slope * fast - drag)
-        new = np.linalg.solve(A, b)
+        new: Array = np.linalg.solve(A, b)
         u -= self._damp * new[drives]
         self._load = M @ (new[:n] - self.v) / h + bias
         self.v, self.omega = new[:n], new[n:]
@@ -239,16 +241,17 @@ def _changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
     return changed
 
 
-def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[type, Place, object, Array]]:
+def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[type[JointEffect], Place, Any, Array]]:
     """Evaluate the plain laws of all joints at once."""
-    found = []
+    found: list[tuple[type[JointEffect], Place, Any, Array]] = []
     for name in ('coulomb_friction', 'viscous_friction'):
         alike = [law for law in laws if law.effect == name]
         if alike:
             found.append((JOINT_EFFECTS[name], tuple(law.place for law in alike),
                           np.array([law.shape or 1e-3 for law in alike]),
-                          np.array([law.theta for law in alike]).T))
-    return found + [(JOINT_EFFECTS[law.effect], law.place, law.shape, np.asarray(law.theta))
+                          np.array([law.theta for law in alike], dtype=float).T))
+    return found + [(JOINT_EFFECTS[law.effect], law.place, law.shape,
+                     np.asarray(law.theta, dtype=float))
                     for law in laws if law.effect not in ('coulomb_friction', 'viscous_friction')]
 
 

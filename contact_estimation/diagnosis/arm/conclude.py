@@ -36,7 +36,7 @@ from ...physics.joints import JOINT_EFFECTS
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
 _WORTH_ZERO = 0.02  # the same of a zero, which every torque has
-_CERTAIN = 3.0  # standard deviations
+_CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of any law
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
 _LEAST_TOOL_KG = 0.1
@@ -142,6 +142,9 @@ def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
     found = []
     for one in named.names:
         term = by_label[one.effect]
+        value, std, _ = names.values(term)
+        if not (np.abs(value) > _TOLD * std).any():
+            continue  # its band holds zero
         size = max(names.sizes(term).max(), names.removed(term).max())
         if size >= _WORTH or size >= _WORTH_CERTAIN and names.gain(term) >= _BEYOND_DOUBT:
             found.append((term, one))

@@ -16,13 +16,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from .arm_recording import Array
 from .channels import Term
+from .gram import GAIN_STD
 from .inertia import possible_inertial
 from .result import ArmEffect
 from .space import ArmModels, label
@@ -99,24 +99,15 @@ class ArmNames:
         evidence = self.compared.evidence
         return evidence.score(self.named.model) - evidence.score(self.without(term))
 
-    @cached_property
-    def _with_gains(self) -> tuple[dict[Term, Array], dict[Term, Array]]:
-        """Return coefficients and covariances where no gain of a torque is known."""
-        gram = self.space.gram
-        gains = {Term('force_gain', j) for j in gram.joints}
-        model = self.model | gains
-        return gram.fit(model).theta, gram.covariance(model)
-
     def values(self, term: Term) -> tuple[Array, Array, str]:
         """Return the coefficients of a law, their standard deviations, and a note."""
         theta, stds = self.theta[term], self.stds[term]
         if JOINT_EFFECTS[term.effect].family != 'load':
             return theta, stds, ''
-        others, covariances = self._with_gains
-        wide = np.sqrt(np.diag(covariances[term]) + (others[term] - theta) ** 2)
-        possible = possible_inertial(theta, self._covariance[term])
-        return possible, np.maximum(stds, wide), (
-            'its band includes the gains of the torques: a mass is known no better than they')
+        per_gain = GAIN_STD * self.space.gram.per_gain(self.model, term)
+        return (possible_inertial(theta, self._covariance[term]),
+                np.sqrt(stds**2 + (per_gain**2).sum(axis=0)),
+                f'its band includes gains of the torques that are known to {100 * GAIN_STD:.0f} %')
 
 
 def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:

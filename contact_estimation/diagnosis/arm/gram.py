@@ -37,6 +37,8 @@ from ...physics.joints import JOINT_EFFECTS
 from ...physics.joints.carried_load import typical_inertial
 
 CALIBRATION, _TILT = Term('calibration'), Term('base_tilt')
+# Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
+GAIN_STD = 0.15
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
 LEVEL = 0.01  # of the base, level by eye [rad]
 FLOOR = ARM.instrument  # of the range of a joint's torque: what no model of an arm explains
@@ -305,6 +307,25 @@ class Gram:
                 found[term], first = own[first:last, first:last], last
         return {term: one * np.outer(self.scales[term], self.scales[term])
                 for term, one in found.items()}
+
+    def per_gain(self, model: Iterable[Term], term: Term) -> Array:
+        """
+        Return how coefficients of a law depend on the gain of each joint's torque, (C, K).
+
+        theta is linear in the torques, and a torque that is measured too large by a share g has
+        g (RNEA + y) more than y: what the column of `force_gain` adds, and y itself.
+        """
+        model, c_fit, found = list(model), self.c_fit, []
+        for k, j in enumerate(self.joints):
+            gain = Term('force_gain', j)
+            load = self.G_fit[k][:, :, self.at[k][gain][0]] / self.scales[gain][0]
+            self.c_fit = [load + one if other == k else 0.0 * one
+                          for other, one in enumerate(c_fit)]
+            self._known.clear()
+            found.append(self.fit(model).theta[term])
+        self.c_fit = c_fit
+        self._known.clear()
+        return np.array(found)
 
     def errors(self, k: int, index: Array, T: Array) -> tuple[Array, Array]:
         """Return the mean square of each block, as left out and as fitted; T (B + 1, K)."""

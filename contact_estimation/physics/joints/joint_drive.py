@@ -72,7 +72,7 @@ class TorqueBias(JointEffect):
 
 
 class JointSpring(JointEffect):
-    """K (q - q_0): a cable, a hose or a spring at a joint; q_0 belongs to the zero of the torque."""
+    """K (q - q_0): a cable, a hose or a spring at a joint; K q_0 is a zero of the torque."""
 
     name = 'joint_spring'
     family = 'elastic_law'
