@@ -94,6 +94,13 @@ def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     return ArmLaw('joint_flexibility', [rng.uniform(0.03, 0.08) / np.abs(one.load[:, j]).max()], j)
 
 
+def _backlash(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a gap in the joint whose load changes its sign most."""
+    up = (one.load > 0.0).mean(axis=0)
+    j = int(np.argmax(np.minimum(up, 1.0 - up) * one.size))
+    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], j)
+
+
 def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a delay that moves 1 to 3 % of the torque."""
     rate = np.gradient(one.load, one.motion.t, axis=0).std(axis=0) / one.load.std(axis=0)
@@ -105,7 +112,7 @@ def _at(name: str, where: str, low: float, high: float, both: bool = False) -> D
     def draw(one: _Arm, rng: np.random.Generator) -> ArmLaw:
         j = getattr(one, where)(rng)
         size = rng.uniform(low, high) * (rng.choice([-1.0, 1.0]) if both else 1.0)
-        unit = {'force_gain': 1.0, 'backlash': 1.0}.get(name, one.size[j])
+        unit = 1.0 if name == 'force_gain' else one.size[j]
         return ArmLaw(name, [size * unit], j, 1e-3 if name == 'coulomb_friction' else 0.0)
     return draw
 
@@ -117,7 +124,7 @@ KINDS: Mapping[str, Draw] = {
     'force_bias': _at('force_bias', 'joint', 0.1, 0.25, True),
     'force_gain': _at('force_gain', 'loaded', 0.12, 0.3, True),
     'joint_flexibility': _flexible,
-    'backlash': _at('backlash', 'loaded', 0.03, 0.08),
+    'backlash': _backlash,
     'force_delay': _delay,
     'base_tilt': lambda one, rng: ArmLaw('base_tilt', [
         float(sign * np.radians(rng.uniform(1.5, 4.0))) for sign in rng.choice([-1, 1], 2)]),

@@ -170,7 +170,7 @@ class _Body:
         """Return the torque of all laws that depend on the state."""
         n = len(self.q)
         motion = JointMotion(self.arm, self.q[None], v[None], np.zeros((1, n)), self._load[None],
-                             np.full(n, _SLOW), np.zeros(n))
+                             np.full(n, _SLOW), np.zeros(n), self._load[None])
         out = np.zeros(n)
         for effect, place, shape, theta in self._grouped:
             for j, column in effect.columns(motion, place, shape).items():
@@ -206,7 +206,7 @@ class _Body:
                 A[row, j] += sign * h * (h * K + D)
         A[drives, drives] += h * (slope + self._damp)
         b[drives] += h * (slope * fast - drag)
-        new: Array = np.linalg.solve(A, b)
+        new = np.asarray(np.linalg.solve(A, b), np.float64)
         u -= self._damp * new[drives]
         self._load = M @ (new[:n] - self.v) / h + bias
         self.v, self.omega = new[:n], new[n:]

@@ -38,6 +38,7 @@ _EDGE_S = 0.5  # dropped at both ends of a piece: transients of the filters
 _LEAST_S = 2.0  # piece
 _SLOWEST, _FASTEST = 3.0, 25.0  # cut-off [Hz]
 _POWER, _HARMONICS = 0.98, 6.0  # the motion's band has this share of its power; cut-off over it
+_BENDS = 3.0  # cut-off of torques over that of the loads that bend a joint: below resonances
 _POSITION = 4.0  # cut-off of positions, in that of torques
 _PER_PERIOD = 4.0  # samples kept in a period of the cut-off
 _ERRORS = 3.0  # two in a period, of any misfit of its band, and one at the steps of friction
@@ -207,7 +208,9 @@ class Channels:
         q = low_pass(stretch.q, 1.0 / period, _POSITION * self.cut_off)
         v = np.gradient(q, period, axis=0)
         a = np.gradient(v, period, axis=0)
-        return JointMotion(self.arm, q, v, a, self.arm.torque(q, v, a), v[0], q[0], period)
+        load = self.arm.torque(q, v, a)
+        return JointMotion(self.arm, q, v, a, load, v[0], q[0],
+                           low_pass(load, 1.0 / period, self.cut_off / _BENDS), period)
 
     def _terms(self, files: int) -> list[Term]:
         """List all laws at all places; a payload may be that of one file alone."""

@@ -138,14 +138,14 @@ class FlexibleJoint(JointEffect):
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
         """Return the change of RNEA per compliance, in all joints; see `JointEffect.columns`."""
-        small = 1e-4 / (np.abs(motion.load[:, place]).max() + 1e-12)
-        change = motion.moved(place, small * motion.load[:, place])
+        small = 1e-4 / (np.abs(motion.carried[:, place]).max() + 1e-12)
+        change = motion.moved(place, small * motion.carried[:, place])
         return {j: change[:, j][:, None] / small for j in range(change.shape[1])}
 
     @classmethod
     def typical(cls, motion: JointMotion, place: Place) -> Array:
         """Return the compliance that deflects by 0.01 rad at the largest torque."""
-        return np.array([cls._TYPICAL / (np.abs(motion.load[:, place]).max() + 1e-12)])
+        return np.array([cls._TYPICAL / (np.abs(motion.carried[:, place]).max() + 1e-12)])
 
 
 class LinkSideEncoder(FlexibleJoint):
@@ -162,7 +162,7 @@ class LinkSideEncoder(FlexibleJoint):
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
         """Return the second derivative of the torque; see `JointEffect.columns`."""
-        return {place: motion.rate(motion.rate(motion.load[:, place]))[:, None]}
+        return {place: motion.rate(motion.rate(motion.carried[:, place]))[:, None]}
 
     @classmethod
     def typical(cls, motion: JointMotion, place: Place) -> Array:
@@ -181,7 +181,7 @@ class Backlash(FlexibleJoint):
     @classmethod
     def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
         """Return the change of RNEA per gap, in all joints; see `JointEffect.columns`."""
-        load, small = motion.load[:, place], 1e-4
+        load, small = motion.carried[:, place], 1e-4
         side = sign(load, 0.1 * float(np.sqrt(np.mean(load**2))) + 1e-12)
         change = motion.moved(place, small * 0.5 * side)
         return {j: change[:, j][:, None] / small for j in range(change.shape[1])}

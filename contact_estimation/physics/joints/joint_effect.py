@@ -44,6 +44,8 @@ class JointMotion:
         RNEA(q, v, a) [N m].
     speed, middle : ndarray, shape (n,)
         What each joint exceeds in 5 % of the time [rad/s], and its mean position [rad].
+    carried : ndarray, shape (N, n)
+        The load within the band of the motion [N m]: what bends a joint is differentiated twice.
     period : float
         Between samples [s].
 
@@ -56,6 +58,7 @@ class JointMotion:
     load: Array
     speed: Array
     middle: Array
+    carried: Array
     period: float = 0.0
 
     @cached_property
