@@ -36,7 +36,7 @@ from ...physics.joints import JOINT_EFFECTS
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
 _WORTH_ZERO = 0.02  # the same of a zero, which every torque has
-_OF_RATED = 0.02  # of a joint's effort limit, which sizes its sensor: a zero beyond its datasheet
+_OF_RATED = 0.01  # of a joint's effort limit, which sizes its sensor: a zero beyond its datasheet
 _CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of any law
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
@@ -130,7 +130,7 @@ def _concluded(
     joints = _joints(space, named, effects)
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)
     diagnosis = ArmDiagnosis(
-        verdict, effects, joints, silent, [*checks, _tool(effects, channels.arm)],
+        verdict, effects, joints, silent, [*checks, _tool(names, effects)],
         channels=channels, model=model, fitted=found, compared=compared)
     held = [_held_out(diagnosis, one) for one in tested]
     return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
@@ -191,14 +191,15 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
     return results
 
 
-def _tool(effects: Sequence[ArmEffect], arm: ArmDynamics) -> ArmCheck:
+def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> ArmCheck:
     """Say if the description carries a hand that the arm does not."""
     for one in effects:
-        mass = one.parameters.get('mass')
-        if one.name == 'payload' and mass is not None and (
-                mass.value < -max(_CERTAIN * mass.std, _LEAST_TOOL_KG)):
+        if one.name != 'payload':
+            continue
+        mass = one.parameters['mass'].value
+        if mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
             return ArmCheck('tool', False, (
-                f'the description has {-mass.value:.2g} kg more at {one.link} than the arm: a '
+                f'the description has {-mass:.2g} kg more at {one.link} than the arm: a '
                 'hand or a tool that is not mounted; remove its <inertial>, or mount it'), False)
     return ArmCheck('tool', True, 'the description has no tool that the arm lacks')
 

@@ -137,6 +137,6 @@ def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored) -
 def _may_gain(evidence: Evidence, one: Scored) -> bool:
     """Return whether a law that explained all that is left would be worth its prior."""
     perfect = replace(one, left_out=np.minimum(one.left_out, 1.0),
-                      fitted=np.minimum(one.fitted, 1.0))
+                      fitted=np.minimum(one.fitted, 1.0), penalty=0.0)
     c = evidence.constants
     return evidence.score(perfect) - evidence.score(one) > c.parameter + c.law
