@@ -86,7 +86,7 @@ def test_an_arm_with_friction_and_inexact_links_lacks_nothing_else() -> None:
 
 def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint() -> None:
     t = motion().t
-    wave = 6.0 * sum(np.sin(2.0 * np.pi * f * t + f) for f in (0.21, 0.37, 0.53, 0.83))
+    wave = 6.0 * np.sum([np.sin(2.0 * np.pi * f * t + f) for f in (0.21, 0.37, 0.53, 0.83)], 0)
 
     def disturbed(tau: Any) -> Any:
         return tau + wave[:, None] * [0.0, 1.0, 0.0]

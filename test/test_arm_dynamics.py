@@ -98,8 +98,7 @@ def test_the_link_behind_a_flexible_joint_lags_by_compliance_times_torque() -> N
 
 def test_an_exciting_motion_stays_within_limits_and_is_better_than_a_draw() -> None:
     arm = ArmDynamics(arm_description('elbow_6r'))
-    best, first = exciting_trajectory(arm, 3, 10.0, tries=8), exciting_trajectory(arm, 3, 10.0,
-                                                                                   tries=1)
+    best, first = (exciting_trajectory(arm, 3, 10.0, tries=tries) for tries in (8, 1))
     low, high = arm.limits['position']
     assert (best.q > low).all() and (best.q < high).all()
     assert (np.abs(best.v) <= arm.limits['velocity']).all()
