@@ -52,7 +52,7 @@ def plot_arm(d: ArmDiagnosis) -> Any:
     assert d.channels is not None
     arm: ArmDynamics = d.channels.arm
     points = _apart(arm.frame_positions(d.channels.middle) @ _VIEW.T)
-    figure, axis = new_figure((1.35 * _WIDTH, 3.8))
+    figure, axis = new_figure((1.2 * _WIDTH, 3.6))
     axis.plot(*points.T, color=MUTED, linewidth=6.0, solid_capstyle='round', zorder=1)
     lacks = {one.name: max(0.0, one.share - one.share_nominal) for one in d.joints}
     known = [k for k, name in enumerate(arm.joints) if name in lacks]
@@ -60,9 +60,9 @@ def plot_arm(d: ArmDiagnosis) -> Any:
                         cmap='OrRd', s=90, vmin=0.0, vmax=_LACKS_MOST, edgecolors=INK, zorder=3)
     bad = {one.name for one in d.joints if one.verdict == 'unexplained'}
     heights = np.linspace(0.03, 0.93, len(arm.joints))
-    for name, at, height in zip(arm.joints, points[1:-1], heights):
-        laws = [one.name.replace('_', ' ') for one in d.effects
-                if name in one.joints and len(one.joints) < 3 and not one.link]
+    for name, link, at, height in zip(arm.joints, arm.links, points[1:-1], heights):
+        laws = [one.name.replace('_', ' ') for one in d.effects if one.link == link or (
+            not one.link and one.term.place is not None and name in one.joints)]
         laws += ['unexplained'] * (name in bad)
         text = axis.annotate(
             '\n'.join([name, ', '.join(laws)]), at, xytext=(1.1, height), fontsize=6, va='center',
