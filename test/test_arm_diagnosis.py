@@ -125,6 +125,13 @@ def test_a_joint_without_effort_is_told_and_left_out() -> None:
     assert 'joint_3: publishes no effort' in as_text(found)
 
 
+def test_an_arm_at_rest_is_refused_and_a_joint_at_rest_left_out() -> None:
+    still = diagnose_arm(arm_recording(q=lambda q: 0.0 * q), URDF)
+    assert still.refused and 'move every joint' in as_text(still)
+    one = diagnose_arm(arm_recording(q=lambda q: q * [1.0, 1.0, 0.0]), URDF)
+    assert one.left_out == {'joint_3': 'rests'} and len(one.joints) == 2
+
+
 def test_a_hand_that_is_not_mounted_is_told() -> None:
     lack = ArmLaw('payload', [-x for x in BODY], 2)
     found = diagnose_arm(arm_recording([lack]), URDF)

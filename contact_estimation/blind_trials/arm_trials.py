@@ -136,7 +136,7 @@ KINDS: Mapping[str, Draw] = {
 def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[str, Any]]:
     """Return description, recording and truth of one world."""
     rng = np.random.default_rng((seed, number))
-    name = list(ARM_MODELS)[number % len(ARM_MODELS)]
+    name = list(ARM_MODELS)[(number + number // (len(KINDS) + 2)) % len(ARM_MODELS)]
     urdf = arm_description(name)
     arm = ArmDynamics(urdf)
     n = len(arm.joints)

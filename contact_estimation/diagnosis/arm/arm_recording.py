@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _LEAST_SAMPLES = 200  # two seconds at the rate of slow drivers
+_STILL = 0.01  # range of a joint at rest [rad]
 _SILENT = 0.5  # share of samples of no effort, from which on a joint is one that publishes none
 
 
@@ -67,6 +68,11 @@ class ArmRecording:
         usual = np.median(known, axis=0)
         same = np.mean(np.abs(known - usual) <= 1e-9 + 1e-3 * known.std(axis=0), axis=0)
         return np.asarray((same < _SILENT) & np.isfinite(self.tau).any(axis=0))
+
+    @property
+    def moves(self) -> Flags:
+        """Return which joints move, so that their torque tells more than a constant."""
+        return np.asarray(np.ptp(self.q, axis=0) > _STILL)
 
     @property
     def has_velocity(self) -> Flags:

@@ -179,7 +179,7 @@ class Channels:
         self.middle: Array
         self.terms: list[Term]
         self.arm, self.names = arm, [one.name for one in recordings]
-        known = np.all([one.has_effort for one in recordings], axis=0)
+        known = np.all([one.has_effort & one.moves for one in recordings], axis=0)
         self.measured = like.measured if like else np.flatnonzero(known).tolist()
         raw = [part for k, one in enumerate(recordings) for part in _stretches(one, k)]
         if not raw:

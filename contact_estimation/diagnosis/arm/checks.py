@@ -85,9 +85,10 @@ def check_units(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
 
 
 def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[ArmCheck]:
-    """Say which joints publish no effort and no velocity; refuse if none publishes an effort."""
-    effort, velocity = (np.all([getattr(one, name) for one in recordings], axis=0)
-                        for name in ('has_effort', 'has_velocity'))
+    """Say which joints publish no effort, rest, or publish no velocity; refuse if all do."""
+    effort, velocity, moves = (np.all([getattr(one, name) for one in recordings], axis=0)
+                               for name in ('has_effort', 'has_velocity', 'moves'))
+    still = [name for name, known in zip(arm.joints, moves) if not known]
     silent = [name for name, known in zip(arm.joints, effort) if not known]
     slow = [name for name, known in zip(arm.joints, velocity) if not known]
     return [
@@ -95,6 +96,10 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
             f'{", ".join(silent)} publish no effort, or the same most of the time: their motion '
             'is used, their torque is not') if silent else 'all joints publish an effort',
             not effort.any()),
+        ArmCheck('motion', not still, (
+            f'{", ".join(still)} rest: their torque is not used; move every joint for some ten '
+            'seconds, as --write-trajectory does') if still else 'all joints move',
+            not (effort & moves).any()),
         ArmCheck('velocity', True, (
             f'{", ".join(slow)} publish no velocity: ' if slow else '')
             + 'velocities are derived from positions'),

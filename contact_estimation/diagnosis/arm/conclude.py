@@ -92,8 +92,10 @@ def diagnose_arm(
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
     checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
               *check_efforts(fitted, arm)]
-    silent = {name: 'publishes no effort' for name, known in zip(
-        arm.joints, np.all([one.has_effort for one in fitted], axis=0)) if not known}
+    silent = {name: reason for reason, known in (
+        ('rests', [one.moves for one in fitted]),
+        ('publishes no effort', [one.has_effort for one in fitted]))
+        for name, every in zip(arm.joints, np.all(known, axis=0)) if not every}
     if any(one.fatal and not one.ok for one in checks):
         return ArmDiagnosis('unexplained', [], [], silent, checks)
     channels = Channels(fitted, arm)
@@ -124,8 +126,9 @@ def _concluded(
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
     effects += [described(names, term, None) for term in _zeros(names)]
-    effects.sort(key=lambda one: (one.family == 'friction' and one.term.effect
-                                  != 'coupled_friction', -one.gain))
+    # Every joint has friction: it comes last, and where it is large for its drive first of all.
+    effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
+                 == 'coupled_friction' else (1.0, -names.of_rating(one.term)))
     model, found = named.model.found
     joints = _joints(space, named, effects)
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)

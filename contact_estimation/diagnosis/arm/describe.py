@@ -79,6 +79,13 @@ class ArmNames:
                 out[k] = theta @ G @ theta / gram.kept[:, k].sum() / gram.variance[k]
         return out
 
+    def of_rating(self, term: Term) -> float:
+        """Return the largest torque of a law over what its joint's drive can do, rms."""
+        gram = self.space.gram
+        rated = gram.channels.arm.limits['effort'][gram.joints]
+        rated = rated if np.isfinite(rated).all() else gram.span
+        return float((np.sqrt(self.sizes(term) * gram.variance) / rated).max())
+
     def without(self, term: Term) -> Any:
         """Return the model without a law."""
         if term not in self._without:
