@@ -241,9 +241,9 @@ def _changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
     return changed
 
 
-def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[type[JointEffect], Place, Any, Array]]:
+def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[JointEffect, Place, Any, Array]]:
     """Evaluate the plain laws of all joints at once."""
-    found: list[tuple[type[JointEffect], Place, Any, Array]] = []
+    found: list[tuple[JointEffect, Place, Any, Array]] = []
     for name in ('coulomb_friction', 'viscous_friction'):
         alike = [law for law in laws if law.effect == name]
         if alike:

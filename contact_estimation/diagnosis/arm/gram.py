@@ -124,9 +124,8 @@ class Gram:
     def _scale(self, term: Term) -> Array:
         """Return the standard deviation of the coefficients of a term before any data."""
         motion, effect = self.channels.motion, JOINT_EFFECTS[term.effect]
-        typical = effect.typical(motion, term.place)
-        if typical is not None:
-            return typical
+        if effect.typical is not None:
+            return effect.typical(motion, term.place)
         sizes = []
         for k, j in enumerate(self.joints):
             rows = [one.columns[term][j] for one in self.channels.pieces if j in one.columns[term]]

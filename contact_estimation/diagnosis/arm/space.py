@@ -116,7 +116,7 @@ class ArmModels:
         """Fit a model, and let it predict the blocks that it was not fitted on."""
         if model not in self._seen:
             found = self.gram.fit(model)
-            possible = all(JOINT_EFFECTS[term.effect].is_possible(theta)
+            possible = all(JOINT_EFFECTS[term.effect].possible(theta)
                            for term, theta in found.theta.items())
             self._seen[model] = self.as_scored(model, found) if possible else None
         return self._seen[model]
@@ -284,7 +284,7 @@ class _JointJudge:
         prior = 0.0
         for term in terms:
             width, effect = len(gram.scales[term]), JOINT_EFFECTS[term.effect]
-            if not effect.is_possible(whole[first:first + width]):
+            if not effect.possible(whole[first:first + width]):
                 return -np.inf
             first += width
             if term in self._space.zeros:

@@ -12,58 +12,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The physics of an arm by name. To add one: a file here and a line in the dictionary."""
+"""The physics of an arm by name. To add one: an entry of FRICTION, DRIVE or LOAD."""
 
 from __future__ import annotations
 
-from .carried_load import BaseTilt, LinkInertia, Payload
-from .joint_drive import (
-    Backlash,
-    Counterbalance,
-    FlexibleJoint,
-    JointSpring,
-    LinkSideEncoder,
-    PolynomialSpring,
-    RotorInertia,
-    TorqueBias,
-    TorqueDelay,
-    TorqueGain,
-)
+from .carried_load import LOAD
+from .joint_drive import DRIVE
 from .joint_effect import JointEffect, JointMotion, Place
-from .joint_friction import (
-    AsymmetricJoint,
-    CoulombJoint,
-    CoupledFriction,
-    LoadFriction,
-    PreslidingJoint,
-    QuadraticJoint,
-    StribeckJoint,
-    ViscousJoint,
-)
+from .joint_friction import FRICTION
 
 __all__ = ['JOINT_EFFECTS', 'JointEffect', 'JointMotion', 'Place']
 
-JOINT_EFFECTS: dict[str, type[JointEffect]] = {
-    'coulomb_friction': CoulombJoint,
-    'viscous_friction': ViscousJoint,
-    'force_bias': TorqueBias,
-    'reflected_inertia': RotorInertia,
-    'stribeck_friction': StribeckJoint,
-    'presliding_friction': PreslidingJoint,
-    'load_dependent_friction': LoadFriction,
-    'quadratic_damping': QuadraticJoint,
-    'asymmetric_damping': AsymmetricJoint,
-    'coupled_friction': CoupledFriction,
-    'force_gain': TorqueGain,
-    'force_delay': TorqueDelay,
-    'joint_spring': JointSpring,
-    'counterbalance': Counterbalance,
-    'polynomial_stiffness': PolynomialSpring,
-    'joint_flexibility': FlexibleJoint,
-    'joint_flexibility_link_side': LinkSideEncoder,
-    'backlash': Backlash,
-    'payload': Payload,
-    'link_inertia': LinkInertia,
-    'base_tilt': BaseTilt,
-}
-"""From the plainest to the least likely: the order of laws that the data do not tell apart."""
+LINK_SIDE = 'joint_flexibility_link_side'
+"""Key of the second law of one name."""
+
+JOINT_EFFECTS: dict[str, JointEffect] = {}
+for _one in (*FRICTION, *DRIVE, *LOAD):
+    JOINT_EFFECTS[LINK_SIDE if _one.name in JOINT_EFFECTS else _one.name] = _one

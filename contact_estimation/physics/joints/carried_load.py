@@ -23,6 +23,7 @@ from ..numeric import Array
 from ...kinematics.arm_dynamics import PER_LINK
 
 _CENTRE, _GYRATION = 0.15, 0.03  # [m], [m^2]: of what an arm carries, per mass
+_TILT = np.radians(3.0)
 _INERTIAL = (('mass', 'kg'), ('mc_x', 'kg m'), ('mc_y', 'kg m'), ('mc_z', 'kg m'),
              ('I_xx', 'kg m^2'), ('I_xy', 'kg m^2'), ('I_yy', 'kg m^2'), ('I_xz', 'kg m^2'),
              ('I_yz', 'kg m^2'), ('I_zz', 'kg m^2'))
@@ -33,57 +34,37 @@ def typical_inertial(mass: float) -> Array:
     return mass * np.array([1.0] + 3 * [_CENTRE] + 6 * [_GYRATION])
 
 
-class LinkInertia(JointEffect):
-    """Y_i theta: mass, first moments and inertia that a link has beyond the description."""
-
-    name = 'link_inertia'
-    family = 'load'
-    place = 'link'
-    equation = "tau += Y_i(q, q', q'') (mass, mass c, I)"
-    coefficients = _INERTIAL
-
-    @classmethod
-    def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
-        """Return the regressor of one link, in all joints; see `JointEffect.columns`."""
-        i = PER_LINK * place
-        return {j: motion.regressor[:, j, i:i + PER_LINK] for j in range(motion.q.shape[1])}
-
-    @classmethod
-    def typical(cls, motion: JointMotion, place: Place) -> Array:
-        """Return the parameters of a third of the link."""
-        masses = motion.arm.masses
-        return typical_inertial(0.3 * max(masses[place], 0.2 * masses.mean()))
+def _of_link(motion: JointMotion, i: int, shape: float) -> dict[int, Array]:
+    first = PER_LINK * i
+    return {j: motion.regressor[:, j, first:first + PER_LINK] for j in range(motion.q.shape[1])}
 
 
-class Payload(LinkInertia):
-    """Y_n theta: what the flange carries, or lacks, beyond the description."""
-
-    name = 'payload'
-    equation = "tau += Y_n(q, q', q'') (mass, mass c, I)"
-
-    @classmethod
-    def typical(cls, motion: JointMotion, place: Place) -> Array:
-        """Return the parameters of a body as heavy as the last link or half the mean one."""
-        masses = motion.arm.masses
-        return typical_inertial(max(masses[-1], 0.5 * masses.mean()))
+def _of_tilt(motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
+    tilt = motion.arm.tilt(motion.q)
+    return {j: tilt[:, j] for j in range(tilt.shape[1])}
 
 
-class BaseTilt(JointEffect):
-    """Gravity that is turned by small angles against the base."""
+def _third_of_link(motion: JointMotion, i: int) -> Array:
+    masses = motion.arm.masses
+    return typical_inertial(0.3 * max(masses[i], 0.2 * masses.mean()))
 
-    name = 'base_tilt'
-    family = 'robot'
-    place = 'arm'
-    equation = 'tau += dg(q)/d(angles) angles'
-    coefficients: tuple[tuple[str, str], ...] = (('about_y', 'rad'), ('about_minus_x', 'rad'))
 
-    @classmethod
-    def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
-        """Return the change of gravity per angle; see `JointEffect.columns`."""
-        tilt = motion.arm.tilt(motion.q)
-        return {j: tilt[:, j] for j in range(tilt.shape[1])}
+def _body(motion: JointMotion, i: int) -> Array:
+    """Return the size of a body as heavy as the last link, or half the mean one."""
+    masses = motion.arm.masses
+    return typical_inertial(max(masses[-1], 0.5 * masses.mean()))
 
-    @classmethod
-    def typical(cls, motion: JointMotion, place: Place) -> Array:
-        """Return 3 degrees."""
-        return np.full(2, np.radians(3.0))
+
+LOAD = (
+    # What the flange carries, or lacks, beyond the description.
+    JointEffect(
+        'payload', 'load', "tau += Y_n(q, q', q'') (mass, mass c, I)", _INERTIAL, _of_link,
+        place='link', typical=_body),
+    JointEffect(
+        'link_inertia', 'load', "tau += Y_i(q, q', q'') (mass, mass c, I)", _INERTIAL, _of_link,
+        place='link', typical=_third_of_link),
+    JointEffect(
+        'base_tilt', 'robot', 'tau += dg(q)/d(angles) angles',
+        (('about_y', 'rad'), ('about_minus_x', 'rad')), _of_tilt, place='arm',
+        typical=lambda motion, place: np.full(2, _TILT)),
+)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -79,6 +79,7 @@ class JointMotion:
         return self.arm.torque(*moved) - self.load
 
 
+@dataclass(frozen=True)
 class JointEffect:
     """
     Physics that adds to the torques of an arm: tau = RNEA(q, q', q'') + sum theta_k columns_k.
@@ -87,16 +88,24 @@ class JointEffect:
     ----------
     name, family, equation : str
         As of `Effect`.
+    coefficients : tuple of (str, str)
+        Symbol and unit of each theta_k; rad stands for m where a joint slides.
+    law : callable
+        Of motion, place and shape: the K columns of the joint itself, each of shape (N,) [N m]
+        per unit; or, of what shows in several joints, columns (N, K) by joint.
     place : str
         Where it acts: 'joint', 'link', 'pair' of neighbouring joints or 'arm'.
     group : str
         Of laws of which a place has one at most; the family by default.
-    coefficients : tuple of (str, str)
-        Symbol and unit of each theta_k. 'q' in a unit is rad, or m of a sliding joint.
     shape : tuple of (str, str), optional
         Symbol and unit of a value in which the law is not linear, if it has one.
-    dissipates : bool
-        Whether no theta_k may be negative.
+    shapes : callable
+        Of motion and place: the values of `shape` that are compared.
+    typical : callable, optional
+        Of motion and place: standard deviations of the coefficients before any data, shape (K,);
+        any size up to twice the variation of the joint's torque by default.
+    possible : callable
+        Whether coefficients (K,) are physically possible.
     laws : int
         Number of laws that it is made of: 2 if it refines a plainer one.
     is_curve : bool
@@ -104,24 +113,21 @@ class JointEffect:
 
     """
 
-    name: ClassVar[str]
-    family: ClassVar[str]
-    equation: ClassVar[str]
-    place: ClassVar[str] = 'joint'
-    group: ClassVar[str] = ''
+    name: str
+    family: str
+    equation: str
     coefficients: tuple[tuple[str, str], ...]
-    shape: ClassVar[tuple[str, str] | None] = None
-    dissipates: ClassVar[bool] = False
-    laws: ClassVar[int] = 1
-    is_curve: ClassVar[bool] = False
+    law: Callable[[JointMotion, Place, Any], Sequence[Array] | Mapping[int, Array]]
+    place: str = 'joint'
+    group: str = ''
+    shape: tuple[str, str] | None = None
+    shapes: Callable[[JointMotion, Place], tuple[float, ...]] = lambda motion, place: (0.0,)
+    typical: Callable[[JointMotion, Place], Array] | None = None
+    possible: Callable[[Array], bool] = lambda theta: True
+    laws: int = 1
+    is_curve: bool = False
 
-    @classmethod
-    def shapes(cls, motion: JointMotion, place: Place) -> tuple[float, ...]:
-        """Return the values of `shape` that are compared; 0 for none."""
-        return (0.0,)
-
-    @classmethod
-    def columns(cls, motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
+    def columns(self, motion: JointMotion, place: Place, shape: Any = 0.0) -> dict[int, Array]:
         """
         Return the torque per unit of each coefficient.
 
@@ -130,7 +136,7 @@ class JointEffect:
         motion : JointMotion
             N samples; a single one in a simulation.
         place : Place
-            Of the kind `cls.place`.
+            Of the kind `self.place`.
         shape : float
             Value in which the law is not linear; 0 without one.
 
@@ -140,18 +146,12 @@ class JointEffect:
             By joint, where they are not 0 [N m].
 
         """
-        raise NotImplementedError
+        found = self.law(motion, place, shape)
+        if isinstance(found, Mapping):
+            return dict(found)
+        return {place: np.stack(found, axis=1)}
 
-    @classmethod
-    def typical(cls, motion: JointMotion, place: Place) -> Array | None:
-        """
-        Return the standard deviation of the coefficients before any data, shape (K,).
 
-        None for any size up to twice the variation of the joint's torque.
-        """
-        return None
-
-    @classmethod
-    def is_possible(cls, theta: Array) -> bool:
-        """Return whether the coefficients are physically possible."""
-        return not cls.dissipates or bool((theta >= 0.0).all())
+def positive(theta: Array) -> bool:
+    """Return whether no coefficient is negative, as of what only dissipates or stores energy."""
+    return bool((theta >= 0.0).all())
