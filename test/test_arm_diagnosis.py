@@ -82,6 +82,8 @@ def test_an_arm_with_friction_and_inexact_links_lacks_nothing_else() -> None:
               for one in found.effects}
     for law in FRICTION[:4]:
         assert values[law.effect, law.place].value == pytest.approx(law.theta[0], rel=0.15)
+    assert [one.friction for one in found.joints[:2]] == [
+        pytest.approx((3.0, 2.0), rel=0.1), pytest.approx((1.5, 1.0), rel=0.1)]
 
 
 def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint() -> None:

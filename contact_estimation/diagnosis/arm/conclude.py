@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Callable, Sequence
 
 import numpy as np
+from scipy.optimize import nnls
 
 from .arm_recording import ArmRecording, joints_of
 from .channels import Channels, Term
@@ -190,8 +191,28 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
         results.append(JointResult(
             name, verdict, float(gram.span[k]), *(
                 float(np.sqrt(one[k])) for one in (nominal, before, after, noise)),
-            share, 1.0 - float(nominal[k] / gram.variance[k])))  # type: ignore[call-arg]
+            share, 1.0 - float(nominal[k] / gram.variance[k]),  # type: ignore[call-arg]
+            _plain_friction(gram.channels, j, [one.term for one in effects], named)))
     return results
+
+
+def _plain_friction(
+    channels: Channels, j: int, terms: Sequence[Term], named: Named
+) -> tuple[float, float]:
+    """Return F_c and B of sharp Coulomb and viscous friction nearest to a joint's laws."""
+    theta = named.model.found[1].theta
+    laws = [term for term in terms if term.place == j
+            and JOINT_EFFECTS[term.effect].family == 'friction']
+    plain = [next(term for term in channels.terms if term[:2] == (name, j))
+             for name in ('coulomb_friction', 'viscous_friction')]
+    if not laws:
+        return 0.0, 0.0
+    rows = [(np.concatenate([one.columns[term][j] for term in plain], axis=1),
+             np.sum([one.columns[term][j] @ theta[term] for term in laws], axis=0))
+            for one in channels.pieces]
+    X, y = (np.concatenate(one) for one in zip(*rows))
+    F_c, B = nnls(X, y)[0]
+    return float(F_c), float(B)
 
 
 def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> ArmCheck:

@@ -25,20 +25,17 @@ from .inertia import pseudo_inertia
 from .result import ArmDiagnosis
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
 
-_DRY = ('coulomb_friction', 'stribeck_friction', 'presliding_friction', 'load_dependent_friction')
-_VISCOUS = ('viscous_friction', 'quadratic_damping', 'asymmetric_damping')
+_WRITTEN = ('coulomb_friction', 'viscous_friction', 'payload', 'link_inertia')
 
 
 def joint_values(d: ArmDiagnosis) -> dict[str, dict[str, float]]:
     """Return friction [N m], damping [N m s/rad] and armature [kg m^2] of each joint."""
-    found: dict[str, dict[str, float]] = {}
+    found = {one.name: {key: value for key, value in zip(('friction', 'damping'), one.friction)
+                        if value > 0.0} for one in d.joints}
     for one in d.effects:
-        key = ('friction' if one.name in _DRY else 'damping' if one.name in _VISCOUS
-               else 'armature' if one.name == 'reflected_inertia' else '')
-        if key:
-            first = next(iter(one.parameters.values()))
-            found.setdefault(one.joints[0], {})[key] = first.value
-    return found
+        if one.name == 'reflected_inertia':
+            found[one.joints[0]]['armature'] = one.parameters['I_r'].value
+    return {name: values for name, values in found.items() if values}
 
 
 def link_parameters(d: ArmDiagnosis) -> Array:
@@ -95,7 +92,7 @@ def corrected_urdf(d: ArmDiagnosis, urdf: str) -> str:
             _set_inertial(links[name], theta)
     other = [f'{one.name} at {one.place}: ' + ', '.join(
         f'{key} = {value.value:.4g}' for key, value in one.parameters.items())
-        for one in d.effects if one.name not in (*_DRY, *_VISCOUS, 'payload', 'link_inertia')]
+        for one in d.effects if one.name not in _WRITTEN]
     if other:
         root.insert(0, ElementTree.Comment(' not in URDF: ' + '; '.join(other) + ' '))
     return ElementTree.tostring(root, encoding='unicode') + '\n'

@@ -115,6 +115,9 @@ class JointResult:
         White noise of its torque within the band of the motion [N m].
     share, share_nominal : float
         Of the variance of its torque that the corrected and the nominal model predict.
+    friction : tuple of float
+        Coulomb friction [N m] and viscous friction [N m s/rad] that come nearest to all laws of
+        friction that are named at it, along the recorded motion: what simulators take.
 
     """
 
@@ -127,6 +130,7 @@ class JointResult:
     noise: float
     share: float
     share_nominal: float
+    friction: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

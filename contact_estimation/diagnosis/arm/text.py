@@ -23,7 +23,8 @@ from .result import ArmDiagnosis, ArmEffect
 from ..conclude.result import Value
 
 _COLUMNS = (('joint', '<24'), ('verdict', '<16'), ('range', '>9'), ('nominal', '>9'),
-            ('recalibr.', '>10'), ('corrected', '>10'), ('explained', '>10'))
+            ('recalibr.', '>10'), ('corrected', '>10'), ('explained', '>10'),
+            ('F_c', '>9'), ('B', '>9'))
 _LISTED = 3  # joints
 _PLAIN = ('coulomb_friction', 'viscous_friction')
 
@@ -91,14 +92,15 @@ def value_text(value: Value) -> str:
 
 
 def _joints(d: ArmDiagnosis) -> list[str]:
-    lines = ['Errors of torques on blocks left out (rms [N m]), and the share of their variance '
-             'that is explained', _row([name for name, _ in _COLUMNS])]
+    lines = ['Errors of torques on blocks left out (rms [N m]), the share of their variance that '
+             'is explained, and the nearest Coulomb [N m] and viscous friction [N m s/rad]',
+             _row([name for name, _ in _COLUMNS])]
     for one in d.joints:
         lines.append(_row([
             one.name, one.verdict.replace('_', ' '),
             *(f'{value:.3g}' for value in (
                 one.torque_range, one.nominal, one.recalibrated, one.corrected)),
-            f'{100.0 * one.share:.1f} %']))
+            f'{100.0 * one.share:.1f} %', *(f'{value:.3g}' for value in one.friction)]))
     return lines + [f'{name}: {reason}' for name, reason in d.left_out.items()]
 
 
@@ -124,6 +126,7 @@ def as_dict(d: ArmDiagnosis) -> dict[str, Any]:
             'name': one.name, 'verdict': one.verdict, 'torque_range_nm': one.torque_range,
             'torque_rmse_nm': {'nominal': one.nominal, 'recalibrated': one.recalibrated,
                                'corrected': one.corrected},
+            'friction': {'F_c': one.friction[0], 'B': one.friction[1]},
             'noise_nm': one.noise, 'share': one.share, 'share_nominal': one.share_nominal,
             'remainder': {'share': 1.0 - one.share, 'torque_nm': one.corrected},
         } for one in d.joints],
