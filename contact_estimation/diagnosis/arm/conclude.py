@@ -188,10 +188,10 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
         bad = left >= _SMALL and (explained < _EXPLAINED or left >= _LARGE and share <= _MOSTLY)
         verdict = 'unexplained' if bad else 'physics_missing' if mine else (
             'recalibrate' if first >= _SMALL > left else 'consistent')
+        errors = [float(np.sqrt(one[k])) for one in (nominal, before, after, noise)]
         results.append(JointResult(
-            name, verdict, float(gram.span[k]), *(
-                float(np.sqrt(one[k])) for one in (nominal, before, after, noise)),
-            share, 1.0 - float(nominal[k] / gram.variance[k]),  # type: ignore[call-arg]
+            name, verdict, float(gram.span[k]), errors[0], errors[1], errors[2], errors[3],
+            share, 1.0 - float(nominal[k] / gram.variance[k]),
             _plain_friction(gram.channels, j, [one.term for one in effects], named)))
     return results
 
@@ -211,7 +211,7 @@ def _plain_friction(
              np.sum([one.columns[term][j] @ theta[term] for term in laws], axis=0))
             for one in channels.pieces]
     X, y = (np.concatenate(one) for one in zip(*rows))
-    F_c, B = nnls(X, y)[0]
+    F_c, B = np.round(nnls(X, y)[0], 9)
     return float(F_c), float(B)
 
 
