@@ -28,12 +28,14 @@ from .channels import Channels
 from ...kinematics.arm_dynamics import ArmDynamics
 
 _WELL = 0.5  # share of a torque's variance that a plain model leaves of a joint that is read right
+_IN_ORDER = 0.1  # the same of joints whose order is beyond doubt
+_EXCHANGED = 4.0  # nats that an exchange gains in all: one of dozens that are tried
 _FOLD = 1.0  # nats of log error that another reading must gain in each joint
 _GAIN = 2.5  # published gains of one arm differ by half; a unit by at least so much
 _LOADED = 0.1  # of the largest modelled torque: a joint whose links tell its gain
 _LAG_S, _LAGS_S = 0.02, np.linspace(-0.2, 0.2, 41)  # told; tried
 _DEGREES = np.pi / 180.0
-_BEYOND = 1.5  # times a limit
+_BEYOND = 1.2  # times a limit
 
 
 @dataclass(frozen=True)
@@ -69,19 +71,22 @@ def check_description(arm: ArmDynamics) -> ArmCheck:
 
 
 def check_units(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
-    """Refuse positions in degrees."""
+    """Refuse positions in degrees; say if one is beyond its limits."""
     low, high = arm.limits['position']
     limit = np.maximum(np.abs(low), np.abs(high))
-    most = np.abs(recording.q).max(axis=0)
-    bounded = np.isfinite(limit)
-    wrong = bounded & (most > _BEYOND * limit)
-    degrees = bool(wrong.any() and (most * _DEGREES <= 1.1 * limit)[bounded].all())
-    degrees |= bool(not bounded.any() and np.median(np.ptp(recording.q, axis=0)) > 20.0 * np.pi)
-    worst = int(np.argmax(np.where(bounded, most / limit, 0.0))) if bounded.any() else 0
-    return ArmCheck('angle_unit', not degrees, (
-        f'{recording.name}: {arm.joints[worst]} reaches {most[worst]:.4g}, its limit is '
-        f'{limit[worst]:.3g} rad: positions are in degrees; publish radians') if degrees
-        else 'positions lie within what radians allow')
+    most, bounded = np.abs(recording.q).max(axis=0), np.isfinite(limit)
+    over = np.where(bounded, most / limit, most / (10.0 * np.pi))
+    k = int(np.argmax(over))
+    reaches = (f'{recording.name}: {arm.joints[k]} reaches {most[k]:.4g}'
+               + (f', its limit is {limit[k]:.3g}' if bounded[k] else ''))
+    if np.mean(over > _BEYOND) >= 0.5 and (most * _DEGREES <= 1.1 * limit).all():
+        return ArmCheck('angle_unit', False,
+                        f'{reaches} rad: positions are in degrees; publish radians')
+    if over[k] > _BEYOND:
+        return ArmCheck('position_limits', False, (
+            f'{reaches}: joints are named in another order, or this is another robot; compare '
+            'the names of joint states and description'), False)
+    return ArmCheck('angle_unit', True, 'positions lie within what radians allow')
 
 
 def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[ArmCheck]:
@@ -150,7 +155,7 @@ def check_order(reading: Reading) -> ArmCheck:
     joints, names = reading.channels.measured, reading.arm.joints
     ok = ArmCheck('joint_order', True, 'each torque belongs to the motion of its joint')
     right = reading.errors()
-    if (right < _WELL).all():
+    if (right < _IN_ORDER).all():
         return ok
     table = np.log([[reading.error(reading.tau[:, i], k) for k in joints] for i in joints])
     chosen = linear_sum_assignment(table)[1]
@@ -163,7 +168,7 @@ def check_order(reading: Reading) -> ArmCheck:
             f'efforts are in another order than names: {pairs}; publish them in the order of '
             '`name`'))
     rows = np.linspace(0, len(reading.q) - 1, min(len(reading.q), 300)).astype(int)
-    best = float(np.log(right).sum()) - 2.0 * _FOLD
+    best = float(np.log(right).sum()) - _EXCHANGED
     found: tuple[int, int, bool] | None = None
     for i, k in combinations(joints, 2):
         order = np.arange(len(names))
@@ -238,7 +243,10 @@ def check_clock(reading: Reading) -> ArmCheck:
 
 
 def examine(channels: Channels) -> list[ArmCheck]:
-    """Make all checks that need the dynamics."""
-    reading = Reading(channels)
-    return [check_order(reading), check_signs(reading), check_gains(reading),
-            check_clock(Reading(channels, 1))]
+    """Make all checks that need the dynamics, up to the first that fails."""
+    reading, found = Reading(channels), list[ArmCheck]()
+    for check in (check_signs, check_order, check_gains):
+        found.append(check(reading))
+        if not found[-1].ok:
+            return found  # what follows has no meaning before that is put right
+    return [*found, check_clock(Reading(channels, 1))]

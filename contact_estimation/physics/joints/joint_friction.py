@@ -72,8 +72,8 @@ def _coupled(motion: JointMotion, place: Place, shape: float) -> dict[int, Array
     j, k, way = place
     v, a = motion.v, motion.a
     rubs = sign(v[:, j] + way * v[:, k], 0.5 * _SHARP * (motion.speed[j] + motion.speed[k]))
-    return {j: np.stack([rubs, v[:, k], a[:, k]], axis=1),
-            k: np.stack([way * rubs, v[:, j], a[:, j]], axis=1)}
+    return {j: np.stack([rubs, way * v[:, k], way * a[:, k]], axis=1),
+            k: way * np.stack([rubs, v[:, j], a[:, j]], axis=1)}
 
 
 _DRY: dict[str, Any] = {'family': 'friction', 'group': 'dry_friction', 'possible': positive}
@@ -120,8 +120,8 @@ FRICTION = (
     # Wrists whose last gears share a shaft: Gautier, J. Robotic Systems 14(2), 1997.
     JointEffect(
         'coupled_friction', 'friction',
-        "tau_j += F_c sgn(q_j' +- q_k') + B q_k' + I q_k'', "
-        "tau_k += +-F_c sgn(q_j' +- q_k') + B q_j' + I q_j''",
+        "tau_j += F_c sgn(q_j' +- q_k') +- B q_k' +- I q_k'', "
+        "tau_k += +-(F_c sgn(q_j' +- q_k') + B q_j' + I q_j'')",
         (('F_c', 'N m'), _B, ('I', 'kg m^2')), _coupled, place='pair', group='coupled_friction',
-        possible=lambda theta: bool(theta[0] >= 0.0)),
+        possible=lambda theta: positive(theta[:2])),
 )
