@@ -68,10 +68,19 @@ def test_it_writes_report_page_description_and_motion(
     assert (tmp_path / 'm.csv').read_text().startswith('t,position.joint_1,')
 
 
-def test_two_recordings_are_fitted_together(folder: Path, command: Command) -> None:
-    ended = command(folder / 'run_1.mcap', folder / 'run_2.mcap', '--nominal-robot',
-                    folder / 'arm.urdf')
+def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
+    folder: Path, command: Command
+) -> None:
+    body = [1.0, 0.1, 0.02, 0.05, 0.01, -0.002, 0.02, -0.005, -0.001, 0.02]
+    one = arm_recording([ArmLaw('payload', body, 2), ArmLaw('reflected_inertia', [2.0], 0)], 2)
+    write_arm_recording(folder / 'loaded.mcap', one.joints,
+                        SimulatedArm(one.t, one.q, one.v, one.tau))
+    ended = command(folder / 'run_1.mcap', folder / 'loaded.mcap', '--nominal-robot',
+                    folder / 'arm.urdf', '--holdout', folder / 'run_2.mcap')
     assert ended.code == 0 and 'reflected_inertia at joint_1' in ended.out
+    assert 'payload at link_3 in loaded.mcap' in ended.out
+    held_out = ended.out[ended.out.index('not fitted'):]
+    assert 'joint_1 9' in held_out or 'joint_1 100' in held_out
 
 
 @pytest.mark.parametrize('options, message', [

@@ -181,7 +181,8 @@ class Channels:
         self.arm, self.names = arm, [one.name for one in recordings]
         known = np.all([one.has_effort & one.moves for one in recordings], axis=0)
         self.measured = like.measured if like else np.flatnonzero(known).tolist()
-        raw = [part for k, one in enumerate(recordings) for part in _stretches(one, k)]
+        first = len(like.names) if like else 0  # laws of one file hold in no other
+        raw = [part for k, one in enumerate(recordings, first) for part in _stretches(one, k)]
         if not raw:
             raise RecordingError(
                 f'{", ".join(self.names)} must have {_LEAST_S:g} s without a gap of {_GAP:g} '

@@ -82,7 +82,7 @@ def check_units(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
     if np.mean(over > _BEYOND) >= 0.5 and (most * _DEGREES <= 1.1 * limit).all():
         return ArmCheck('angle_unit', False,
                         f'{reaches} rad: positions are in degrees; publish radians')
-    if over[k] > _BEYOND:
+    if over[k] > _BEYOND and bounded[k]:
         return ArmCheck('position_limits', False, (
             f'{reaches}: joints are named in another order, or this is another robot; compare '
             'the names of joint states and description'), False)

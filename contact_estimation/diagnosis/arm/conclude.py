@@ -147,7 +147,7 @@ def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
     found = []
     for one in named.names:
         term = by_label[one.effect]
-        value, std, _ = names.values(term)
+        value, std, *_ = names.values(term)
         if not (np.abs(value) > _TOLD * std).any():
             continue  # its band holds zero
         size = max(names.sizes(term).max(), names.removed(term).max())
@@ -247,11 +247,13 @@ def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:
 def _next(effects: Sequence[ArmEffect]) -> str:
     """Recommend an experiment where laws of masses cannot be told apart."""
     masses = {name for name, effect in JOINT_EFFECTS.items() if effect.family == 'load'}
-    open_ones = [one for one in effects if one.indistinguishable_from
-                 and (one.name in masses or any(
-                     other.split(' ')[0] in masses for other in one.indistinguishable_from))]
+    open_ones = [one for one in effects if any(
+        other.split(' ')[0] in masses for other in one.indistinguishable_from)]
     if not open_ones:
-        return ''
+        gain = any('force_gain' in other for one in effects if one.name == 'payload'
+                   for other in one.indistinguishable_from)
+        return ('record the same motion without the payload, and diagnose both recordings '
+                'together: the gains of the torques then matter less') if gain else ''
     return (f'{open_ones[0].name} cannot be told from other masses by this motion; record the '
             'exciting trajectory that --write-trajectory writes, with and without what the arm '
             'carries')

@@ -106,15 +106,17 @@ class ArmNames:
         evidence = self.compared.evidence
         return evidence.score(self.named.model) - evidence.score(self.without(term))
 
-    def values(self, term: Term) -> tuple[Array, Array, str]:
-        """Return the coefficients of a law, their standard deviations, and a note."""
-        theta, stds = self.theta[term], self.stds[term]
+    def values(self, term: Term) -> tuple[Array, Array, str, list[str]]:
+        """Return coefficients, standard deviations, a note, and what would change them most."""
+        theta, stds, gram = self.theta[term], self.stds[term], self.space.gram
         if JOINT_EFFECTS[term.effect].family != 'load':
-            return theta, stds, ''
+            return theta, stds, '', []
         per_gain = GAIN_STD * self.space.gram.per_gain(self.model, term)
         return (possible_inertial(theta, self._covariance[term]),
                 np.sqrt(stds**2 + (per_gain**2).sum(axis=0)),
-                f'its band includes gains of the torques that are known to {100 * GAIN_STD:.0f} %')
+                f'its band includes gains of the torques that are known to {100 * GAIN_STD:.0f} %',
+                [f'force_gain at {gram.channels.arm.joints[gram.joints[k]]}'
+                 for k in [int(np.abs(per_gain[:, 0]).argmax())] if abs(per_gain[k, 0]) > stds[0]])
 
 
 def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
@@ -138,7 +140,7 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     """
     effect, gram = JOINT_EFFECTS[term.effect], names.space.gram
     arm, joints = gram.channels.arm, gram.joints
-    theta, stds, note = names.values(term)
+    theta, stds, note, rivals = names.values(term)
     parameters = {symbol: Value(float(value), float(std), unit)
                   for (symbol, unit), value, std in zip(effect.coefficients, theta, stds)}
     if effect.shape is not None:
@@ -160,7 +162,8 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
         share.share, share.interval,
         {arm.joints[joints[k]]: float(size) for k, size in enumerate(sizes) if size > 0.0},
         names.gain(term) if name is not None else 0.0,
-        [] if name is None else [in_words(one, arm) for one in name.alike],
+        [] if name is None else list(dict.fromkeys(
+            [*(in_words(one, arm) for one in name.alike), *rivals])),
         *_located(names, term, joints[main]), note)
 
 
