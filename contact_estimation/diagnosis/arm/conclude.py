@@ -38,6 +38,7 @@ _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
 _WORTH_ZERO = 0.02  # the same of a zero, which every torque has
 _OF_RATED = 0.01  # of a joint's effort limit, which sizes its sensor: a zero beyond its datasheet
+_OF_RANGE = 0.5  # of the range of its torque: a zero that hides what the joint carries
 _CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of any law
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
@@ -158,11 +159,13 @@ def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
 
 def _zeros(names: ArmNames) -> list[Term]:
     """Return the zeros of torques that are more than a zero usually is."""
-    found, arm = [], names.space.gram.channels.arm
+    found, gram = [], names.space.gram
+    arm = gram.channels.arm
     for term in sorted(names.space.zeros):
         value, std = names.theta[term][0], names.stds[term][0]
         rated = arm.limits['effort'][term.place]
-        large = abs(value) > _OF_RATED * rated or not np.isfinite(rated)
+        span = gram.span[gram.joints.index(term.place)]
+        large = not np.isfinite(rated) or abs(value) > min(_OF_RATED * rated, _OF_RANGE * span)
         if large and abs(value) > _CERTAIN * std and names.sizes(term).max() >= _WORTH_ZERO:
             found.append(term)
     return found
