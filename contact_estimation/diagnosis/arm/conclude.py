@@ -128,9 +128,9 @@ def _concluded(
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
     effects += [described(names, term, None) for term in _zeros(names)]
-    # Every joint has friction: it comes last, and where it is large for its drive first of all.
+    # Every joint has friction: it comes last, and where it is large for its joint first of all.
     effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
-                 == 'coupled_friction' else (1.0, -names.of_rating(one.term)))
+                 == 'coupled_friction' else (1.0, -names.of_range(one.term)))
     model, found = named.model.found
     joints = _joints(space, named, effects)
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)

@@ -33,6 +33,7 @@ from ..conclude.result import Value
 from ...physics.joints import JOINT_EFFECTS
 
 _SHOWS = 0.1  # of the largest share of a law of the whole arm: joints that show it
+_WEAK = 0.05  # of the largest range of a torque
 _REGION = 1.5  # times the mean, for a law to be located in a region
 _INTERVALS = 3  # that are listed
 
@@ -79,12 +80,16 @@ class ArmNames:
                 out[k] = theta @ G @ theta / gram.kept[:, k].sum() / gram.variance[k]
         return out
 
-    def of_rating(self, term: Term) -> float:
-        """Return the largest torque of a law over what its joint's drive can do, rms."""
+    def of_range(self, term: Term) -> float:
+        """
+        Return the torque of a law, rms, over the range of its joint's torque.
+
+        A joint that carries less than a twentieth of what the strongest does counts as if it
+        carried that: nearly all of its torque is friction.
+        """
         gram = self.space.gram
-        rated = gram.channels.arm.limits['effort'][gram.joints]
-        rated = rated if np.isfinite(rated).all() else gram.span
-        return float((np.sqrt(self.sizes(term) * gram.variance) / rated).max())
+        span = np.maximum(gram.span, _WEAK * gram.span.max())
+        return float((np.sqrt(self.sizes(term) * gram.variance) / span).max())
 
     def without(self, term: Term) -> Any:
         """Return the model without a law."""
