@@ -64,6 +64,17 @@ def make_diagnosis(folder: Path) -> None:
     (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
 
 
+def make_arm(folder: Path) -> None:
+    """Diagnose a simulated arm blind, and keep report and pictures."""
+    run(folder, 'blind_trials', '--arms', '2', '--seed', '1', '--only-write', '--output', 'arms')
+    world = Path('arms', 'handed_over', 'arm_1_001')
+    text = run(folder, 'diagnose', f'{world}.mcap', '--nominal-robot', f'{world}.urdf',
+               '--html', 'report.html')
+    (IMAGES / 'arm.txt').write_text(text)
+    page = (folder / 'report.html').read_text(encoding='utf-8')
+    (IMAGES / 'arm.png').write_bytes(first_picture(page))
+
+
 def run(folder: Path, command: str, *arguments: str) -> str:
     """Run a command of this package in a folder and return what it prints."""
     return output_of(folder, '-m', f'contact_estimation.commands.{command}', *arguments)
@@ -84,7 +95,7 @@ def first_picture(page: str) -> bytes:
     return base64.b64decode(found[1])
 
 
-PARTS = {'loop': make_loop, 'diagnosis': make_diagnosis}
+PARTS = {'loop': make_loop, 'diagnosis': make_diagnosis, 'arm': make_arm}
 
 
 if __name__ == '__main__':

@@ -30,7 +30,8 @@ LAYERS = [
     'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
-    'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'blind_trials',
+    'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
+    'blind_trials',
     'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks', 'benchmarks.arms',
 ]
 

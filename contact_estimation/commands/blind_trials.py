@@ -23,6 +23,7 @@ from typing import Any, Iterator
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
+from ..blind_trials.arm_trials import arm_text, run_arm_trials
 from ..blind_trials.calibration import calibrate
 from ..blind_trials.family_report import family_dict, family_text
 from ..blind_trials.reliability import plot_reliability
@@ -31,7 +32,7 @@ from ..blind_trials.study import judged_trials, plan_study, run_study, Scores
 from ..exceptions import ParameterRangeError
 from ..scheduling import ThisProcess, Workers, workers
 
-_KINDS = ('count', 'clean', 'unknown', 'foreign')
+_KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
 
 
 def make_parser() -> Parser:
@@ -45,13 +46,17 @@ def make_parser() -> Parser:
         'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
         'same folder; delete the subfolder reports to repeat the diagnoses.',
     )
-    parser.add_argument('--count', type=int, required=True, help='trials with an effect')
+    parser.add_argument('--count', type=int, default=0, help='trials with an effect (0)')
     parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
     parser.add_argument('--unknown', type=int, default=0,
                         help='trials on a rig with a law that no effect describes (0)')
     parser.add_argument('--foreign', type=int, default=0,
                         help='trials on a rig with a law of the literature that is not the '
                         "library's; every ninth has none (0)")
+    parser.add_argument('--arms', type=int, default=0,
+                        help='trials on whole arms: a law at a joint or a payload is concealed, '
+                        'beside links that are 5 %% off and friction everywhere (0); needs the '
+                        'extra robots')
     parser.add_argument('--calibrate', metavar='FILE',
                         help='fit the constants of the decision to these trials, print how much '
                         'each matters, and write them as JSON')
@@ -91,12 +96,23 @@ def run(options: Any) -> int:
             raise ParameterRangeError(f'--{name} must be >= {least}, got {value}')
     if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
-            '--count, --clean, --unknown and --foreign are all 0; request at least one trial')
+            '--count, --clean, --unknown, --foreign and --arms are all 0; request at least one '
+            'trial')
     target, constants = (new_file(path) if path else None
                          for path in (options.json, options.calibrate))
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
+    if options.arms:
+        outcomes = run_arm_trials(
+            folder, options.arms, options.seed, progress.show, options.only_write)
+        if outcomes:
+            print(arm_text(outcomes))
+            (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
+            (folder / 'arms.json').write_text(json.dumps(outcomes, indent=1) + '\n')
+        if not any(getattr(options, kind) for kind in _KINDS[:-1]):
+            progress.done()
+            return 0
     trials = plan_study(options.count, options.clean, options.seed, options.unknown,
                         options.foreign)
     with _workers(options) as started:

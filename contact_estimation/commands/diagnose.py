@@ -32,6 +32,7 @@ from .command_line import (
     Parser,
     topics_of,
 )
+from .diagnose_arm import run as run_arm
 from .progress import Progress
 from .reading_options import add_tare_option, reading_of
 from ..diagnosis.compare.comparison_file import as_dict as comparison
@@ -44,7 +45,7 @@ from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import RecordingError, UnknownNameError
+from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..figures import require_matplotlib
 from ..plant.engines import ENGINES
 from ..plant.model_file import read_model
@@ -62,8 +63,11 @@ def make_parser() -> Parser:
     )
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='.mcap file or rosbag2 folder')
-    parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
+    parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
+    parser.add_argument('--nominal-robot', metavar='ARM.urdf',
+                        help='robot description in its place: what a whole arm lacks, joint by '
+                        'joint, from joint states with efforts (extra robots)')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
                         help='recordings to test on (default: a part of each recording)')
     parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
@@ -74,6 +78,12 @@ def make_parser() -> Parser:
                         metavar=('ENGINE', 'FILE'),
                         help='write the corrected contact for an engine: ' + ', '.join(ENGINES)
                         + '; may be repeated')
+    parser.add_argument('--write-urdf', metavar='FILE',
+                        help='write the corrected robot description, and beside it FILE.mjcf with '
+                        'friction, damping and armature for MuJoCo')
+    parser.add_argument('--write-trajectory', metavar='FILE.csv',
+                        help='write a motion by which the inertia of the links of --nominal-robot '
+                        'can be told, within its limits')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
@@ -101,6 +111,17 @@ def run(options: Any) -> int:
         0.
 
     """
+    if options.nominal_robot:
+        return run_arm(options)
+    for name in ('write_urdf', 'write_trajectory'):
+        if getattr(options, name):
+            raise ParameterRangeError(
+                f'--{name.replace("_", "-")} needs --nominal-robot ARM.urdf; give it in place of '
+                '--nominal')
+    if not options.nominal:
+        raise ParameterRangeError(
+            'one of --nominal MODEL.yaml (a contact) and --nominal-robot ARM.urdf (a whole arm) '
+            'must be given, got neither; see diagnose --help')
     outputs = (options.json, options.html, options.write_model, options.write_comparison,
                _experiment_file(options), *(file for _, file in options.export))
     for engine, _ in options.export:

@@ -67,8 +67,8 @@ class RobotModel:
     """
 
     def __init__(self, urdf: str, base: str, tip: str) -> None:
-        self._library = pin = _pinocchio()
-        model = _parsed(pin, urdf)
+        self._library = pin = pinocchio()
+        model = parsed_urdf(pin, urdf)
         self.base, self.tip = base, tip
         above_base = _joints_above(model, _frame(model, base))
         above_tip = _joints_above(model, _frame(model, tip))
@@ -267,7 +267,7 @@ class RobotModel:
         return self._frames[frame]
 
 
-def _pinocchio() -> ModuleType:
+def pinocchio() -> ModuleType:
     """Import Pinocchio, which is optional."""
     try:
         import pinocchio
@@ -280,7 +280,7 @@ def _pinocchio() -> ModuleType:
     return pinocchio
 
 
-def _parsed(pin: Any, urdf: str) -> Any:
+def parsed_urdf(pin: Any, urdf: str) -> Any:
     try:
         return pin.buildModelFromXML(urdf)
     except Exception as error:  # noqa: B902 - the type differs between versions

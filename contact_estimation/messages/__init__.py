@@ -14,6 +14,7 @@
 
 """CDR messages to plain readings and back, with explicit layouts and no message library."""
 
+from .arm_joints import ArmReading, decode_arm, encode_arm
 from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
     encode_float64,
@@ -34,6 +35,7 @@ from .transforms import StampedTransform, TransformsDecoder
 from .wrench_decoding import ForceTorqueDecoder, Vector3StampedDecoder, WrenchDecoder
 
 __all__ = [
+    'ArmReading',
     'DiagnosticReading',
     'FORCE_OF_AXIS',
     'ForceTorqueDecoder',
@@ -54,9 +56,11 @@ __all__ = [
     'WrenchDecoder',
     'WrenchEncoder',
     'WrenchReading',
+    'decode_arm',
     'decode_diagnostics',
     'decode_float64',
     'decode_string',
+    'encode_arm',
     'encode_float64',
     'encode_multi_array',
     'encode_string',

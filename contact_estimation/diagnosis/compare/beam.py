@@ -23,7 +23,8 @@ import numpy as np
 
 from .evidence import Evidence, Scored
 
-_WIDE, _LAWS, _DEEP = 3, 3, 4  # models that are extended at a time; laws and effects of a model
+_WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
+LAWS = 3  # of a model of one contact
 # Extensions that are fitted to the end; nats below the best, from where that may bring one back.
 _REFINED, _FAR = 2, 10.0
 _NEAR = 3.0  # nats below the best: a twentieth of its weight
@@ -68,7 +69,8 @@ class Compared(NamedTuple):
 
 
 def search(
-    space: Space, progress: Callable[[str], None], known: Compared | None = None
+    space: Space, progress: Callable[[str], None], known: Compared | None = None,
+    laws: int = LAWS,
 ) -> Compared:
     """
     Extend the best models as long as the gain that is left could pay for a further law.
@@ -81,6 +83,8 @@ def search(
         Called with a description of each stage.
     known : Compared, optional
         Models as fitted in this space, of which the best is extended.
+    laws : int
+        Number from which on a model is not.
 
     Returns
     -------
@@ -93,7 +97,7 @@ def search(
     done, wide = set[frozenset[str]](), 1 if known else _WIDE
     for _ in range(_DEEP):
         ranked = evidence.ranked(pool.values())
-        frontier = [one for one in ranked[:wide] if one.key not in done and one.laws < _LAWS
+        frontier = [one for one in ranked[:wide] if one.key not in done and one.laws < laws
                     and _may_matter(evidence, one, ranked[0])]
         if not frontier:
             break
@@ -136,6 +140,6 @@ def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored | 
 def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     """Return whether a law that explained all that is left would pay, and come near the best."""
     perfect = replace(one, left_out=np.minimum(one.left_out, 1.0),
-                      fitted=np.minimum(one.fitted, 1.0))
+                      fitted=np.minimum(one.fitted, 1.0), penalty=0.0)
     bound = evidence.score(perfect) - evidence.constants.parameter - evidence.constants.law
     return bound > max(evidence.score(one), evidence.score(best) - _NEAR)

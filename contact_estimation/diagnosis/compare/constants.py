@@ -74,3 +74,11 @@ class Constants(NamedTuple):
 
 
 CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))
+
+ARM = CONSTANTS._replace(ideal=0.0, instrument=0.006, independent=6.0)
+"""
+Those of a whole arm.
+
+Many laws share the misfit of a joint, so that none may leave a share of it unexplained. The torque
+of a joint, often a current, is known to 0.6 % of its range.
+"""

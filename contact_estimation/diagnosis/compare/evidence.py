@@ -60,10 +60,12 @@ class Scored:
     counts : ndarray, shape (P, C)
         Number of residuals.
     parameters, laws, curves : int
-        Number of free values beyond those of the nominal model; laws other than zeros; curves
-        among them.
+        Number of free values beyond those of the nominal model (those that data determine, where
+        some are known beforehand); laws other than zeros; curves among them.
     found : object
         The fit.
+    penalty : float
+        Further log prior odds against it: its place among many, values of a calibration [nat].
 
     """
 
@@ -73,10 +75,11 @@ class Scored:
     left_out: Array
     fitted: Array
     counts: Array
-    parameters: int
+    parameters: float
     laws: int
     curves: int
     found: Any = field(repr=False, default=None)
+    penalty: float = 0.0
 
     @property
     def key(self) -> frozenset[str]:
@@ -172,7 +175,8 @@ class Evidence:
     def log_prior(self, one: Scored) -> float:
         """Return the log prior of a model but for a constant."""
         c = self.constants
-        return -c.parameter * one.parameters - c.law * one.laws - c.curve * one.curves
+        return (-c.parameter * one.parameters - c.law * one.laws - c.curve * one.curves
+                - one.penalty)
 
     def score(self, one: Scored) -> float:
         """Return the log posterior of a model but for a constant."""

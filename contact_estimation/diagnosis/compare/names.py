@@ -89,8 +89,13 @@ class Part(NamedTuple):
 
 
 def name(compared: Compared, seed: int, without: Without) -> Named:
+    """Name the families that are likely, and worth a name; see `likely` and `Part`."""
+    return _worth(compared, likely(compared, seed), without)
+
+
+def likely(compared: Compared, seed: int) -> Named:
     """
-    Name the families that are likely, and worth a name.
+    Name the families that are likely.
 
     Parameters
     ----------
@@ -98,8 +103,6 @@ def name(compared: Compared, seed: int, without: Without) -> Named:
         All models.
     seed : int
         Of the bootstrap over parts.
-    without : callable
-        Returns models that are not among those compared.
 
     Returns
     -------
@@ -110,18 +113,18 @@ def name(compared: Compared, seed: int, without: Without) -> Named:
     evidence, models = compared.evidence, compared.models
     weights = evidence.weights(models, seed)
     families = of_families(models, weights)
-    likely = {family for family, weight in families.items()
-              if weight >= evidence.constants.named}
+    probable = {family for family, weight in families.items()
+                if weight >= evidence.constants.named}
     order = ranked_by(
         range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
-    exactly = [k for k in order if models[k].named == likely]
-    with_more = [k for k in order if likely <= models[k].named]
-    of_them = [k for k in order if models[k].named <= likely]  # two may tie in one place
+    exactly = [k for k in order if models[k].named == probable]
+    with_more = [k for k in order if probable <= models[k].named]
+    of_them = [k for k in order if models[k].named <= probable]  # two may tie in one place
     best = next(iter([*exactly, *with_more, *of_them, models.index(evidence.base)]))
     model = models[best]
     names, rivals = list[Name](), dict[str, Scored]()
     for effect, family in zip(model.effects, model.families):
-        if family not in likely:
+        if family not in probable:
             continue
         rest, alike = model.key - {effect}, list[str]()
         least = evidence.constants.listed * float(weights[best])
@@ -136,7 +139,7 @@ def name(compared: Compared, seed: int, without: Without) -> Named:
                 alike.append(instead)
                 rivals.setdefault(instead, other)
         names.append(Name(effect, families[family], alike[:_LISTED]))
-    return _worth(compared, Named(model, names, rivals), without)
+    return Named(model, names, rivals)
 
 
 def _as_ideal(evidence: Evidence, model: Scored, other: Scored) -> bool:

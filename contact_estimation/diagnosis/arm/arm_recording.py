@@ -1,0 +1,173 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings of whole arms: positions and efforts of all joints on one grid of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exceptions import MessageError, RecordingError
+from ...kinematics.arm_dynamics import ArmDynamics
+from ...messages import ArmReading, decode_arm
+from ...recordings import RecordingReader
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_LEAST_SAMPLES = 200  # two seconds at the rate of slow drivers
+_STILL = 0.01  # range of a joint at rest [rad]
+_SILENT = 0.5  # share of samples of no effort, from which on a joint is one that publishes none
+
+
+@dataclass(frozen=True, eq=False)
+class ArmRecording:
+    """
+    A recording of an arm with n joints.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    joints : tuple of str
+        As recorded.
+    t : ndarray, shape (N,)
+        Stamps [s], increasing, from the first.
+    q, v, tau : ndarray, shape (N, n)
+        Positions [rad], velocities [rad/s] and efforts [N m]; NaN where not published.
+
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    t: Array
+    q: Array
+    v: Array
+    tau: Array
+
+    @property
+    def has_effort(self) -> Flags:
+        """Return which joints publish an effort that is neither constant nor mostly absent."""
+        known = np.where(np.isfinite(self.tau), self.tau, 0.0)
+        usual = np.median(known, axis=0)
+        same = np.mean(np.abs(known - usual) <= 1e-9 + 1e-3 * known.std(axis=0), axis=0)
+        return np.asarray((same < _SILENT) & np.isfinite(self.tau).any(axis=0))
+
+    @property
+    def moves(self) -> Flags:
+        """Return which joints move, so that their torque tells more than a constant."""
+        return np.asarray(np.ptp(self.q, axis=0) > _STILL)
+
+    @property
+    def has_velocity(self) -> Flags:
+        """Return which joints publish a velocity."""
+        return np.asarray(np.isfinite(self.v).all(axis=0) & (np.abs(self.v) > 0.0).any(axis=0))
+
+    def of_joints(self, joints: tuple[str, ...]) -> 'ArmRecording':
+        """Return the recording with its joints in another order, or fewer."""
+        place = [self.joints.index(name) for name in joints]
+        return ArmRecording(self.name, joints, self.t,
+                            *(one[:, place] for one in (self.q, self.v, self.tau)))
+
+
+def read_arm_recording(
+    path: str | PathLike[str], topic: str = 'joint_states'
+) -> ArmRecording:
+    """
+    Read the joint states of a whole arm.
+
+    Parameters
+    ----------
+    path : str or path-like
+        An `.mcap` file or a rosbag2 folder.
+    topic : str
+        Of sensor_msgs/msg/JointState; one message may hold all joints or some of them.
+
+    Returns
+    -------
+    recording : ArmRecording
+        On the stamps of the joint that is published most often.
+
+    Raises
+    ------
+    RecordingError
+        If the topic is missing, or holds too few positions.
+
+    """
+    readings, refused = dict[str, list[tuple[int, float, float, float]]](), ''
+    for batch in RecordingReader(str(path)).batches([topic]):
+        for message in batch:
+            try:
+                _add(readings, decode_arm(message.data))
+            except MessageError as error:
+                refused = f'; last refused: {error}'
+    most = max(map(len, readings.values()), default=0)
+    if most < _LEAST_SAMPLES:
+        raise RecordingError(
+            f'{path} must hold at least {_LEAST_SAMPLES} joint states with positions on topic '
+            f'{topic!r}, got {most}{refused}; record the arm in motion for some ten seconds')
+    joints = tuple(name for name, rows in readings.items() if 2 * len(rows) > most)
+    series = [np.array(readings[name], float) for name in joints]
+    longest = max(series, key=len)
+    first = longest[0, 0]
+    stamps, keep = np.unique(longest[:, 0], return_index=True)
+    t = 1e-9 * (stamps - first)
+    if all(len(one) == len(longest) and np.array_equal(one[:, 0], longest[:, 0])
+           for one in series):
+        values = [one[keep, 1:] for one in series]
+    else:
+        values = [_interpolated(stamps, one) for one in series]
+    q, v, tau = (np.stack([one[:, k] for one in values], axis=1) for k in range(3))
+    finite = np.isfinite(q).all(axis=1)
+    return ArmRecording(Path(path).name, joints, t[finite], q[finite], v[finite], tau[finite])
+
+
+def _add(readings: dict[str, list[tuple[int, float, float, float]]], one: ArmReading) -> None:
+    """Append the joints of a message; what a publisher leaves out is NaN."""
+    count = len(one.names)
+    if len(one.position) < count:
+        return
+    v, tau = (values if len(values) >= count else np.full(count, np.nan)
+              for values in (one.velocity, one.effort))
+    for k, name in enumerate(one.names):
+        readings.setdefault(name, []).append((one.stamp_ns, one.position[k], v[k], tau[k]))
+
+
+def _interpolated(stamps: Array, rows: Array) -> Array:
+    rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
+    return np.stack([np.interp(stamps, rows[:, 0], rows[:, k]) for k in (1, 2, 3)], axis=1)
+
+
+def joints_of(recording: ArmRecording, arm: ArmDynamics) -> tuple[str, ...]:
+    """
+    Return the joints of a description that a recording holds, from base to tip.
+
+    Raises
+    ------
+    RecordingError
+        If it holds none.
+
+    """
+    found = tuple(name for name in arm.joints if name in recording.joints)
+    if not found:
+        raise RecordingError(
+            f'{recording.name} holds the joints {", ".join(recording.joints)}, expected those of '
+            f'the robot description: {", ".join(arm.joints)}; give the description of this arm, '
+            'with the prefix that its driver uses')
+    return found

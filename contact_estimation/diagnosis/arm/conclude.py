@@ -1,0 +1,262 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The diagnosis of a whole arm: checks, comparison of models, names, verdict of each joint."""
+
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+import numpy as np
+from scipy.optimize import nnls
+
+from .arm_recording import ArmRecording, joints_of
+from .channels import Channels, Term
+from .checks import ArmCheck, check_description, check_efforts, check_units, examine
+from .describe import ArmNames, described
+from .gram import Gram
+from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
+from .space import ArmModels, label, MOST_LAWS
+from ..compare.beam import Compared, search
+from ..compare.names import likely, Name, Named
+from ...exceptions import ParameterRangeError, RecordingError
+from ...kinematics.arm_dynamics import ArmDynamics
+from ...physics.joints import JOINT_EFFECTS
+
+_WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
+_WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
+_WORTH_ZERO = 0.02  # the same of a zero, which every torque has
+_OF_RATED = 0.01  # of a joint's effort limit, which sizes its sensor: a zero beyond its datasheet
+_OF_RANGE = 0.5  # of the range of its torque: a zero that hides what the joint carries
+_CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of any law
+_SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
+_EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
+_LEAST_TOOL_KG = 0.1
+
+
+def diagnose_arm(
+    recordings: ArmRecording | Sequence[ArmRecording], urdf: str, *,
+    held_out: Sequence[ArmRecording] = (), seed: int = 0,
+    progress: Callable[[str], None] = lambda text: None,
+) -> ArmDiagnosis:
+    """
+    Compare recordings of an arm with its description, and name the physics that this lacks.
+
+    The torque of each joint is RNEA(q, q', q'') of the description, whose links are recalibrated
+    by some 5 %, plus laws of JOINT_EFFECTS at their places.
+
+    Parameters
+    ----------
+    recordings : ArmRecording or sequence of ArmRecording
+        From `read_arm_recording`; several are fitted together.
+    urdf : str
+        Robot description (the text of a URDF file).
+    held_out : sequence of ArmRecording
+        Recordings that are not fitted, but predicted.
+    seed : int
+        Of the bootstrap over blocks, >= 0.
+    progress : callable
+        Called with a description of each stage.
+
+    Returns
+    -------
+    diagnosis : ArmDiagnosis
+        Verdict, names with places and values, and the torque of each joint that they explain.
+
+    Raises
+    ------
+    ParameterRangeError
+        If there is no recording or `seed` is negative.
+    RecordingError
+        If the recordings hold other joints than the description, or too little.
+    MissingPackageError
+        If Pinocchio is not installed.
+
+    """
+    fitted = [recordings] if isinstance(recordings, ArmRecording) else list(recordings)
+    if not fitted or seed < 0:
+        raise ParameterRangeError(
+            f'diagnose_arm needs one recording or more and seed >= 0, got {len(fitted)} '
+            f'and {seed}')
+    progress('checks')
+    arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
+    fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
+    checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
+              *check_efforts(fitted, arm)]
+    silent = {name: reason for reason, known in (
+        ('rests', [one.moves for one in fitted]),
+        ('publishes no effort', [one.has_effort for one in fitted]))
+        for name, every in zip(arm.joints, np.all(known, axis=0)) if not every}
+    if any(one.fatal and not one.ok for one in checks):
+        return ArmDiagnosis('unexplained', [], [], silent, checks)
+    channels = Channels(fitted, arm)
+    checks += examine(channels)
+    if any(one.fatal and not one.ok for one in checks):
+        return ArmDiagnosis('unexplained', [], [], silent, checks, channels=channels)
+    space = ArmModels(Gram(channels), progress)
+    compared = search(space, progress, laws=MOST_LAWS)
+    named = likely(compared, seed)
+    return _concluded(space, compared, named, checks, silent, tested)
+
+
+def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
+    """Return a recording with the joints of an arm in its order."""
+    missing = [name for name in arm.joints if name not in recording.joints]
+    if missing:
+        raise RecordingError(
+            f'{recording.name} must hold the joints of the other recordings, but lacks '
+            f'{", ".join(missing)}; diagnose it alone')
+    return recording.of_joints(arm.joints)
+
+
+def _concluded(
+    space: ArmModels, compared: Compared, named: Named, checks: list[ArmCheck],
+    silent: dict[str, str], tested: Sequence[ArmRecording],
+) -> ArmDiagnosis:
+    channels = space.gram.channels
+    names = ArmNames(space, compared, named)
+    effects = [described(names, term, name) for term, name in _worth(names, named)]
+    effects += [described(names, term, None) for term in _zeros(names)]
+    # Every joint has friction: it comes last, and where it is large for its joint first of all.
+    effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
+                 == 'coupled_friction' else (1.0, -names.of_range(one.term)))
+    model, found = named.model.found
+    joints = _joints(space, named, effects)
+    verdict = max((one.verdict for one in joints), key=VERDICTS.index)
+    diagnosis = ArmDiagnosis(
+        verdict, effects, joints, silent, [*checks, _tool(names, effects)],
+        channels=channels, model=model, fitted=found, compared=compared)
+    held = [_held_out(diagnosis, one) for one in tested]
+    return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
+                           'next_experiment': _next(effects)})
+
+
+def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
+    """Return the laws that are large enough for a name: by their torque, or by what they take."""
+    by_label = {label(term): term for term in names.model}
+    found = []
+    for one in named.names:
+        term = by_label[one.effect]
+        value, std, *_ = names.values(term)
+        if not (np.abs(value) > _TOLD * std).any():
+            continue  # its band holds zero
+        size = max(names.sizes(term).max(), names.removed(term).max())
+        if size >= _WORTH or size >= _WORTH_CERTAIN and names.gain(term) >= _BEYOND_DOUBT:
+            found.append((term, one))
+    return found
+
+
+def _zeros(names: ArmNames) -> list[Term]:
+    """Return the zeros of torques that are more than a zero usually is."""
+    found, gram = [], names.space.gram
+    arm = gram.channels.arm
+    for term in sorted(names.space.zeros):
+        value, std = names.theta[term][0], names.stds[term][0]
+        rated = arm.limits['effort'][term.place]
+        span = gram.span[gram.joints.index(term.place)]
+        large = not np.isfinite(rated) or abs(value) > min(_OF_RATED * rated, _OF_RANGE * span)
+        if large and abs(value) > _CERTAIN * std and names.sizes(term).max() >= _WORTH_ZERO:
+            found.append(term)
+    return found
+
+
+def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> list[JointResult]:
+    """Return errors and verdict of each joint."""
+    gram, base = space.gram, space.evidence().base
+    weights = gram.kept / gram.kept.sum(axis=0)
+    nominal = (gram.s / gram.kept * weights).sum(axis=0)
+    before, after = ((weights * (one.left_out - 1.0)).sum(axis=0) * gram.floor
+                     for one in (base, named.model))
+    noise = np.mean([one.noise for one in gram.channels.pieces], axis=0)[gram.joints]
+    results = []
+    for k, j in enumerate(gram.joints):
+        name = gram.channels.arm.joints[j]
+        mine = any(one.torque_shares.get(name, 0.0) >= _WORTH for one in effects)
+        left, was, first = (float(np.sqrt(max(one - noise[k], 0.0)) / gram.span[k])
+                            for one in (after[k], before[k], nominal[k]))
+        share = 1.0 - float(after[k] / gram.variance[k])
+        explained = 1.0 - left**2 / max(was**2, 1e-12)
+        # What is small, or nearly all of a torque that is large, is not worth a search.
+        bad = left >= _SMALL and (explained < _EXPLAINED or left >= _LARGE and share <= _MOSTLY)
+        verdict = 'unexplained' if bad else 'physics_missing' if mine else (
+            'recalibrate' if first >= _SMALL > left else 'consistent')
+        errors = [float(np.sqrt(one[k])) for one in (nominal, before, after, noise)]
+        results.append(JointResult(
+            name, verdict, float(gram.span[k]), errors[0], errors[1], errors[2], errors[3],
+            share, 1.0 - float(nominal[k] / gram.variance[k]),
+            _plain_friction(gram.channels, j, [one.term for one in effects], named)))
+    return results
+
+
+def _plain_friction(
+    channels: Channels, j: int, terms: Sequence[Term], named: Named
+) -> tuple[float, float]:
+    """Return F_c and B of sharp Coulomb and viscous friction nearest to a joint's laws."""
+    theta = named.model.found[1].theta
+    laws = [term for term in terms if term.place == j
+            and JOINT_EFFECTS[term.effect].family == 'friction']
+    plain = [next(term for term in channels.terms if term[:2] == (name, j))
+             for name in ('coulomb_friction', 'viscous_friction')]
+    if not laws:
+        return 0.0, 0.0
+    rows = [(np.concatenate([one.columns[term][j] for term in plain], axis=1),
+             np.sum([one.columns[term][j] @ theta[term] for term in laws], axis=0))
+            for one in channels.pieces]
+    X, y = (np.concatenate(one) for one in zip(*rows))
+    F_c, B = np.round(nnls(X, y)[0], 9)
+    return float(F_c), float(B)
+
+
+def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> ArmCheck:
+    """Say if the description carries a hand that the arm does not."""
+    for one in effects:
+        if one.name != 'payload':
+            continue
+        mass = one.parameters['mass'].value
+        if mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
+            return ArmCheck('tool', False, (
+                f'the description has {-mass:.2g} kg more at {one.link} than the arm: a '
+                'hand or a tool that is not mounted; remove its <inertial>, or mount it'), False)
+    return ArmCheck('tool', True, 'the description has no tool that the arm lacks')
+
+
+def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:
+    """Predict a recording that was not fitted; its zeros of torque are its own."""
+    channels = diagnosis.channels
+    assert channels is not None and diagnosis.fitted is not None
+    other = Channels([recording], channels.arm, like=channels)
+    shares: tuple[dict[str, float], dict[str, float]] = {}, {}
+    for j in channels.measured:
+        tau = np.concatenate([one.tau[:, j] for one in other.pieces])
+        nominal = np.concatenate([one.residual[:, j] for one in other.pieces])
+        left = nominal - np.concatenate(
+            [channels.predicted(one, j, diagnosis.fitted, zeros=False) for one in other.pieces])
+        for share, error in zip(shares, (nominal, left - left.mean())):
+            share[channels.arm.joints[j]] = 1.0 - float(np.mean(error**2) / tau.var())
+    return HeldOutArm(recording.name, *shares)
+
+
+def _next(effects: Sequence[ArmEffect]) -> str:
+    """Recommend an experiment where laws of masses cannot be told apart."""
+    masses = {name for name, effect in JOINT_EFFECTS.items() if effect.family == 'load'}
+    open_ones = [one for one in effects if any(
+        other.split(' ')[0] in masses for other in one.indistinguishable_from)]
+    if not open_ones:
+        gain = any('force_gain' in other for one in effects if one.name == 'payload'
+                   for other in one.indistinguishable_from)
+        return ('record the same motion without the payload, and diagnose both recordings '
+                'together: the gains of the torques then matter less') if gain else ''
+    return (f'{open_ones[0].name} cannot be told from other masses by this motion; record the '
+            'exciting trajectory that --write-trajectory writes, with and without what the arm '
+            'carries')

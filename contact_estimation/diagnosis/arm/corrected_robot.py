@@ -1,0 +1,133 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The corrected description: URDF, and what MuJoCo takes of it."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+
+from .arm_recording import Array
+from .inertia import pseudo_inertia
+from .result import ArmDiagnosis
+from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
+
+_WRITTEN = ('coulomb_friction', 'viscous_friction', 'payload', 'link_inertia')
+
+
+def joint_values(d: ArmDiagnosis) -> dict[str, dict[str, float]]:
+    """Return friction [N m], damping [N m s/rad] and armature [kg m^2] of each joint."""
+    found = {one.name: {key: value for key, value in zip(('friction', 'damping'), one.friction)
+                        if value > 0.0} for one in d.joints}
+    for one in d.effects:
+        if one.name == 'reflected_inertia':
+            found[one.joints[0]]['armature'] = one.parameters['I_r'].value
+    return {name: values for name, values in found.items() if values}
+
+
+def link_parameters(d: ArmDiagnosis) -> Array:
+    """
+    Return the ten parameters of each link, corrected, shape (n, 10).
+
+    A link that no body can have with its calibration keeps its own: the torques tell sums of
+    links, and not each.
+    """
+    assert d.channels is not None and d.fitted is not None
+    arm = d.channels.arm
+    nominal = arm.neutral.reshape(-1, PER_LINK)
+    calibrated = nominal + d.fitted.calibration.reshape(-1, PER_LINK)
+    possible = [np.linalg.eigvalsh(pseudo_inertia(one)).min() > 0.0 for one in calibrated]
+    links = np.where(np.array(possible)[:, None], calibrated, nominal)
+    for one in d.effects:
+        if one.family == 'load' and not one.recording:
+            changed = links[one.term.place] + [value.value for value in one.parameters.values()]
+            if np.linalg.eigvalsh(pseudo_inertia(changed)).min() > 0.0:
+                links[one.term.place] = changed
+    return np.asarray(links)
+
+
+def corrected_urdf(d: ArmDiagnosis, urdf: str) -> str:
+    """
+    Return a robot description with friction, damping and inertial parameters.
+
+    Parameters
+    ----------
+    d : ArmDiagnosis
+        Not refused.
+    urdf : str
+        The nominal description, the rest of which is kept.
+
+    Returns
+    -------
+    urdf : str
+        What URDF has no element for (armature, offsets, couplings) stands in a comment.
+
+    """
+    assert d.channels is not None
+    root, arm = ElementTree.fromstring(urdf), d.channels.arm
+    joints = {one.get('name'): one for one in root.findall('joint')}
+    for name, values in joint_values(d).items():
+        dynamics = joints[name].find('dynamics')
+        if dynamics is None:
+            dynamics = ElementTree.SubElement(joints[name], 'dynamics')
+        for key in ('damping', 'friction'):
+            if key in values:
+                dynamics.set(key, f'{values[key]:.6g}')
+    links = {one.get('name'): one for one in root.findall('link')}
+    for name, theta, body in zip(arm.links, link_parameters(d), _bodies(arm, root)):
+        if body == 1:  # what is fixed to a link would be counted twice
+            _set_inertial(links[name], theta)
+    other = [f'{one.name} at {one.place}: ' + ', '.join(
+        f'{key} = {value.value:.4g}' for key, value in one.parameters.items())
+        for one in d.effects if one.name not in _WRITTEN]
+    if other:
+        root.insert(0, ElementTree.Comment(' not in URDF: ' + '; '.join(other) + ' '))
+    return ElementTree.tostring(root, encoding='unicode') + '\n'
+
+
+def _bodies(arm: ArmDynamics, root: ElementTree.Element) -> list[int]:
+    """Return the number of links with a mass that move with each joint."""
+    massive = {one.get('name') for one in root.findall('link') if one.find('inertial') is not None}
+    return [sum(frame.parentJoint == k + 1 and frame.name in massive
+                for frame in arm.model.frames if 'BODY' in str(frame.type))
+            for k in range(len(arm.joints))]
+
+
+def _set_inertial(link: ElementTree.Element, theta: Array) -> None:
+    """Write mass, centre, and inertia about the centre."""
+    inertial = link.find('inertial')
+    if inertial is not None:
+        link.remove(inertial)
+    inertial = ElementTree.SubElement(link, 'inertial')
+    mass, c = theta[0], theta[1:4] / theta[0]
+    xx, xy, yy, xz, yz, zz = theta[4:]
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    J = J - mass * ((c @ c) * np.eye(3) - np.outer(c, c))
+    ElementTree.SubElement(inertial, 'origin', xyz=' '.join(f'{x:.6g}' for x in c), rpy='0 0 0')
+    ElementTree.SubElement(inertial, 'mass', value=f'{mass:.6g}')
+    ElementTree.SubElement(inertial, 'inertia', {
+        f'i{"xyz"[i]}{"xyz"[k]}': f'{J[i, k]:.6g}' for i in range(3) for k in range(i, 3)})
+
+
+def mjcf_snippet(d: ArmDiagnosis) -> str:
+    """Return the attributes of each joint for a MuJoCo model."""
+    rows = []
+    for name, values in joint_values(d).items():
+        text = ' '.join(f'{key}="{values[of]:.6g}"' for key, of in (
+            ('frictionloss', 'friction'), ('damping', 'damping'), ('armature', 'armature'))
+            if of in values)
+        rows.append(f'  <joint name="{name}" {text}/>')
+    return '\n'.join(['<mujoco>', *rows, '</mujoco>', ''])

@@ -1,0 +1,342 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Gram matrices of all laws of an arm, block by block: a model is a small ridge regression.
+
+With y_j what the torque of joint j has beyond RNEA, X_j the columns of a model's laws and theta
+their coefficients in units of what is known of them beforehand, a fit minimises
+
+    sum_j w_j |y_j - X_j theta|^2 + |theta|^2
+
+over all blocks, or all but one. Laws of one joint are eliminated first (Schur complement), so that
+what joints share, 24 directions of their links' inertia above all, costs one small system.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, NamedTuple, Sequence
+
+import numpy as np
+
+from .arm_recording import Array
+from .channels import Channels, Term
+from ..compare.constants import ARM
+from ...physics.joints import JOINT_EFFECTS
+from ...physics.joints.carried_load import typical_inertial
+
+CALIBRATION, _TILT = Term('calibration'), Term('base_tilt')
+# Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
+GAIN_STD = 0.15
+INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
+LEVEL = 0.01  # of the base, level by eye [rad]
+FLOOR = ARM.instrument  # of the range of a joint's torque: what no model of an arm explains
+_DIRECTIONS, _LEAST = 24, 0.002  # of calibration that move a torque by this share of its range
+_BLOCKS = 16
+_INDEPENDENT = ARM.independent  # errors of a block
+
+
+class Fitted(NamedTuple):
+    """
+    A model's fit.
+
+    Attributes
+    ----------
+    theta : dict of Term to ndarray
+        Coefficients.
+    calibration : ndarray, shape (10 n,)
+        Change of the links' parameters that is no finding.
+    level : ndarray, shape (2,)
+        Tilt of the base that is no finding [rad].
+    left_out, fitted : ndarray, shape (B, C)
+        Mean squares of the errors of each block and joint, of the fit on the others and on all
+        [N^2 m^2].
+    shared : tuple of Term
+        Laws of several joints, in the order of `covariance`.
+    covariance : ndarray
+        Of their coefficients.
+    known : float
+        Well-determined coefficients among those of laws of several joints.
+    surprise : float
+        Half the squared coefficients of the calibration, in those expected [nat].
+
+    """
+
+    theta: dict[Term, Array]
+    calibration: Array
+    level: Array
+    left_out: Array
+    fitted: Array
+    shared: tuple[Term, ...]
+    covariance: Array
+    known: float
+    surprise: float
+
+
+class Gram:
+    """
+    What fits of all models need of the recordings.
+
+    Parameters
+    ----------
+    channels : Channels
+        C joints with torques.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (C,)
+        w_j, settable.
+    counts : ndarray, shape (B, C)
+        Independent errors.
+    floor : ndarray, shape (C,)
+        Mean square of what no model explains [N^2 m^2].
+    variance : ndarray, shape (C,)
+        Of the torques [N^2 m^2].
+
+    """
+
+    def __init__(self, channels: Channels) -> None:
+        self.channels, self.joints = channels, channels.measured
+        tau = np.concatenate([one.tau for one in channels.pieces])[:, self.joints]
+        self.span: Array = np.ptp(np.percentile(tau, (0.5, 99.5), axis=0), axis=0) + 1e-9
+        self.floor: Array = (FLOOR * self.span) ** 2
+        self.variance: Array = tau.var(axis=0) + 1e-12
+        self.scales = {term: self._scale(term) for term in channels.terms}
+        self.directions = self._directions()
+        self.shared = {term for term in channels.terms
+                       if JOINT_EFFECTS[term.effect].place != 'joint'
+                       or len(channels.pieces[0].columns[term]) > 1}
+        self._build()
+        self.weights = self.weights_for(self.s / self.kept)
+        self._known: dict[object, tuple[Array, ...]] = {}
+
+    def _scale(self, term: Term) -> Array:
+        """Return the standard deviation of the coefficients of a term before any data."""
+        motion, effect = self.channels.motion, JOINT_EFFECTS[term.effect]
+        if effect.typical is not None:
+            return effect.typical(motion, term.place)
+        sizes = []
+        for k, j in enumerate(self.joints):
+            rows = [one.columns[term][j] for one in self.channels.pieces if j in one.columns[term]]
+            if rows:
+                rms = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
+                sizes.append(2.0 * np.sqrt(self.variance[k]) / np.maximum(rms, 1e-9))
+        return np.asarray(np.min(sizes, axis=0))
+
+    def _directions(self) -> Array:
+        """Return the directions of all links' parameters that move torques most, (10 n, D)."""
+        arm = self.channels.arm
+        least = 0.2 * arm.masses.mean()
+        sizes = INEXACT * np.concatenate(
+            [typical_inertial(max(mass, least)) for mass in arm.masses])
+        Z = np.concatenate([self.channels.regressor(one, j) / self.span[k]
+                            for one in self.channels.pieces
+                            for k, j in enumerate(self.joints)]) * sizes
+        power, V = np.linalg.eigh(Z.T @ Z * (len(self.joints) / len(Z)))
+        best = np.argsort(-power)[:_DIRECTIONS]
+        return np.asarray(sizes[:, None] * V[:, best[power[best] > (_LEAST * INEXACT) ** 2]])
+
+    def _build(self) -> None:
+        """Sum the products of all columns in each block."""
+        pieces, terms = self.channels.pieces, [CALIBRATION, *self.channels.terms]
+        whole = sum(len(one.t) for one in pieces)
+        blocks = [(one, rows) for one in pieces for rows in np.array_split(
+            np.arange(len(one.t)), max(1, round(_BLOCKS * len(one.t) / whole)))]
+        self.times = [(one.file, one.t[rows[0]], one.t[rows[-1]]) for one, rows in blocks]
+        self.at = list[dict[Term, Any]]()
+        self.s: Array
+        self.kept: Array
+        sums = list[list[tuple[Array, Array, float, float]]]()
+        for j in self.joints:
+            mine = [term for term in terms[1:] if j in pieces[0].columns[term]]
+            widths = [self.width(CALIBRATION), *(len(self.scales[term]) for term in mine)]
+            ends = np.cumsum([0, *widths])
+            self.at.append({term: np.arange(first, last) for term, first, last in zip(
+                (CALIBRATION, *mine), ends[:-1], ends[1:])})
+            wide = {id(one): np.concatenate(
+                [self.channels.regressor(one, j) @ self.directions,
+                 LEVEL * one.columns[_TILT][j],
+                 *(one.columns[term][j] * self.scales[term] for term in mine)], axis=1)
+                for one in pieces}
+            sums.append([])
+            for one, rows in blocks:
+                keep = rows[one.moving[rows, j]]
+                X, y = wide[id(one)][keep], one.residual[keep, j]
+                sums[-1].append((X.T @ X, X.T @ y, float(y @ y), float(max(len(y), 1))))
+        self.G = [np.array([one[0] for one in each]) for each in sums]
+        self.c = [np.array([one[1] for one in each]) for each in sums]
+        self.s, self.kept = (np.array([[one[k] for one in each] for each in sums]).T
+                             for k in (2, 3))
+        self.counts = np.minimum(_INDEPENDENT, self.kept / self.channels.samples_per_error)
+        # Of the fit on all blocks but one, for each, and on all.
+        self.G_fit, self.c_fit = ([np.concatenate([one.sum(0) - one, one.sum(0)[None]])
+                                   for one in every] for every in (self.G, self.c))
+
+    def weights_for(self, errors: Array) -> Array:
+        """Return w_j for errors (B, C): so many independent ones as there are in a block."""
+        share = np.minimum(_INDEPENDENT * len(errors) / self.kept.sum(axis=0), 1.0)
+        return np.asarray(share / (np.median(errors, axis=0) + self.floor))
+
+    def set_weights(self, weights: Array) -> None:
+        """Weigh the joints by what a good model leaves of them."""
+        self.weights = weights
+        self._known.clear()
+
+    def _eliminated(self, k: int, local: tuple[Term, ...], shared: tuple[Term, ...]
+                    ) -> tuple[Array, ...]:
+        """Return what a joint adds to the system of the shared coefficients."""
+        key = k, local, shared
+        if key not in self._known:
+            w = self.weights[k]
+            inner = self.index(k, local)
+            outer, places = self.shared_index(k, shared)
+            G, c = self.G_fit[k], self.c_fit[k]
+            H = w * G[:, inner[:, None], outer]
+            K = w * G[:, inner[:, None], inner] + np.eye(len(inner))
+            solved = np.linalg.solve(K, np.concatenate([H, w * c[:, inner, None]], axis=2))
+            U, u = solved[:, :, :-1], solved[:, :, -1]
+            S = w * G[:, outer[:, None], outer] - H.transpose(0, 2, 1) @ U
+            r = w * c[:, outer] - np.einsum('bio,bi->bo', H, u)
+            self._known[key] = inner, outer, places, U, u, S, r
+        return self._known[key]
+
+    def index(self, k: int, terms: Iterable[Term]) -> Array:
+        found = [self.at[k][term] for term in terms]
+        return np.concatenate(found) if found else np.zeros(0, int)
+
+    def shared_index(self, k: int, shared: Sequence[Term]) -> tuple[Array, Array]:
+        """Return the columns of shared terms in a joint, and their places in theta."""
+        columns, places, first = [], [], 0
+        for term in shared:
+            width = self.width(term)
+            if term in self.at[k]:
+                columns.append(self.at[k][term])
+                places.append(np.arange(first, first + width))
+            first += width
+        return np.concatenate(columns), np.concatenate(places)
+
+    def width(self, term: Term) -> int:
+        """Return the number of coefficients of a term."""
+        if term == CALIBRATION:
+            return int(self.directions.shape[1]) + 2
+        return len(self.scales[term])
+
+    def split(self, model: Iterable[Term]) -> tuple[list[tuple[Term, ...]], tuple[Term, ...]]:
+        """Return a model's laws of each joint alone, and those that joints share."""
+        local: list[list[Term]] = [[] for _ in self.joints]
+        shared = []
+        for term in sorted(model, key=repr):
+            if term in self.shared:
+                shared.append(term)
+            else:
+                local[self.joints.index(term.place)].append(term)
+        return [tuple(one) for one in local], (CALIBRATION, *shared)
+
+    def solve(self, model: Iterable[Term]) -> tuple[list[Array], Array, Array]:
+        """Return theta of each joint (B + 1, K), of shared terms (B + 1, S), and their system."""
+        local, shared = self.split(model)
+        size = sum(self.width(term) for term in shared)
+        A, b = np.zeros((len(self.G_fit[0]), size, size)), np.zeros((len(self.G_fit[0]), size))
+        A[:, np.arange(size), np.arange(size)] = 1.0
+        for k, mine in enumerate(local):
+            _, _, places, _, _, S, r = self._eliminated(k, mine, shared)
+            A[:, places[:, None], places] += S
+            b[:, places] += r
+        both = np.linalg.solve(A, b[:, :, None])[:, :, 0]
+        inner = []
+        for k, mine in enumerate(local):
+            _, _, places, U, u, _, _ = self._eliminated(k, mine, shared)
+            inner.append(u - np.einsum('bio,bo->bi', U, both[:, places]))
+        return inner, np.asarray(both), np.asarray(A[-1])
+
+    def fit(self, model: Iterable[Term]) -> Fitted:
+        """Fit a model on all blocks, and on all but each."""
+        model = list(model)
+        local, shared = self.split(model)
+        inner, both, A = self.solve(model)
+        left_out, fitted = (np.empty_like(self.s) for _ in range(2))
+        theta = dict[Term, Array]()
+        for k, mine in enumerate(local):
+            ins, outs, places = self._eliminated(k, mine, shared)[:3]
+            index = np.concatenate([ins, outs])
+            T = np.concatenate([inner[k], both[:, places]], axis=1)
+            left_out[:, k], fitted[:, k] = self.errors(k, index, T)
+            theta.update(_divided(
+                mine, [len(self.scales[one]) for one in mine], inner[k][-1]))
+        widths = [self.width(term) for term in shared]
+        theta.update(_divided(shared, widths, both[-1]))
+        covariance = np.linalg.inv(A)
+        known = float(np.sum(1.0 - np.diag(covariance)[widths[0]:]))
+        calibration = theta.pop(CALIBRATION)
+        return Fitted(
+            {term: self.scales[term] * one for term, one in theta.items()},
+            self.directions @ calibration[:-2], LEVEL * calibration[-2:], left_out, fitted, shared,
+            np.asarray(covariance), known, 0.5 * float(calibration @ calibration))
+
+    def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
+        """Return the covariance of the coefficients of each law of a model."""
+        model = list(model)
+        local, shared = self.split(model)
+        whole = np.asarray(np.linalg.inv(self.solve(model)[2]))
+        found, first = dict[Term, Array](), 0
+        for term in shared:
+            last = first + self.width(term)
+            if term != CALIBRATION:
+                found[term] = whole[first:last, first:last]
+            first = last
+        for k, mine in enumerate(local):
+            inner, _, places, U = self._eliminated(k, mine, shared)[:4]
+            G = self.G_fit[k][-1][np.ix_(inner, inner)]
+            own = np.asarray(np.linalg.inv(self.weights[k] * G + np.eye(len(inner))))
+            own = own + U[-1] @ whole[np.ix_(places, places)] @ U[-1].T
+            first = 0
+            for term in mine:
+                last = first + self.width(term)
+                found[term], first = own[first:last, first:last], last
+        return {term: one * np.outer(self.scales[term], self.scales[term])
+                for term, one in found.items()}
+
+    def per_gain(self, model: Iterable[Term], term: Term) -> Array:
+        """
+        Return how coefficients of a law depend on the gain of each joint's torque, (C, K).
+
+        theta is linear in the torques, and a torque that is measured too large by a share g has
+        g (RNEA + y) more than y: what the column of `force_gain` adds, and y itself.
+        """
+        model, c_fit, found = list(model), self.c_fit, []
+        for k, j in enumerate(self.joints):
+            gain = Term('force_gain', j)
+            load = self.G_fit[k][:, :, self.at[k][gain][0]] / self.scales[gain][0]
+            self.c_fit = [load + one if other == k else 0.0 * one
+                          for other, one in enumerate(c_fit)]
+            self._known.clear()
+            found.append(self.fit(model).theta[term])
+        self.c_fit = c_fit
+        self._known.clear()
+        return np.array(found)
+
+    def errors(self, k: int, index: Array, T: Array) -> tuple[Array, Array]:
+        """Return the mean square of each block, as left out and as fitted; T (B + 1, K)."""
+        G, c = self.G[k][:, index[:, None], index], self.c[k][:, index]
+        out = []
+        for theta in (T[:-1], np.broadcast_to(T[-1], T[:-1].shape)):
+            e = self.s[:, k] - 2.0 * np.einsum('bp,bp->b', theta, c) + np.einsum(
+                'bp,bpq,bq->b', theta, G, theta)
+            out.append(np.maximum(e, 0.0) / self.kept[:, k])
+        return out[0], out[1]
+
+
+def _divided(terms: Sequence[Term], widths: Sequence[int], theta: Array) -> dict[Term, Array]:
+    parts = np.split(theta, np.cumsum(widths)[:-1]) if terms else []
+    return dict(zip(terms, parts))

@@ -1,0 +1,321 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The models of an arm that are compared: laws at joints, links, and all of it."""
+
+from __future__ import annotations
+
+from math import log
+from typing import Callable, Iterable, Sequence
+
+import numpy as np
+
+from .channels import Term
+from .gram import Fitted, Gram
+from ..compare.constants import ARM, Constants
+from ..compare.evidence import Evidence, Scored
+from ...physics.joints import JOINT_EFFECTS, Place
+
+Model = frozenset[Term]
+
+MOST_LAWS = 60  # of a model: an arm of seven joints has some twenty
+_PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'zero')
+"""Groups that most joints have; others may be bent to hide a law that joints share."""
+
+_PAIR = ('dry_friction', 'viscous_friction')
+
+_TRIED, _STEPS, _ROUNDS = 4, 12, 3  # shared laws refined; steps in a joint; passes over joints
+_NEAR = 8.0  # nats below the best, up to which a law is compared in the place of another
+_BESIDES = 4  # laws that are compared in the place of one
+_ORDER = {name: k for k, name in enumerate(JOINT_EFFECTS)}
+
+
+def group_of(term: Term) -> tuple[str, Place, int]:
+    """Return what a model has once at most: kind of law, place and file."""
+    effect = JOINT_EFFECTS[term.effect]
+    file = -1 if term.effect == 'payload' else term.file
+    zero = 'zero' if term.effect == 'force_bias' else effect.group or effect.family
+    place = term.place[:2] if isinstance(term.place, tuple) else term.place
+    return zero, place, file
+
+
+class ArmModels:
+    """
+    Models of an arm: its description with laws at their places.
+
+    Every model has the calibration of its links and a zero of torque of each joint and file.
+
+    Parameters
+    ----------
+    gram : Gram
+        Of the recordings.
+    progress : callable
+        Called with a description of each stage.
+    constants : Constants
+        Prior and error model.
+
+    Attributes
+    ----------
+    zeros : frozenset of Term
+        Those of the torques.
+
+    """
+
+    def __init__(
+        self, gram: Gram, progress: Callable[[str], None] = lambda text: None,
+        constants: Constants = ARM,
+    ) -> None:
+        self.gram, self._progress, self._c = gram, progress, constants
+        every = [term for term in gram.channels.terms if term.effect != 'force_bias']
+        self.zeros = frozenset(gram.channels.terms) - frozenset(every)
+        self._shared = [term for term in every if term in gram.shared]
+        self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
+                       for j in gram.joints}
+        counts: dict[str, set[Place]] = {}
+        for term in every:
+            counts.setdefault(term.effect, set()).add(term.place)
+        self._places = {name: log(len(places)) for name, places in counts.items()}
+        self._seen = dict[Model, 'Scored | None']()
+        self._zero = self._evidence_of(self._scored(self.zeros))
+        plain = self._refined(self.zeros)
+        self._again(plain)
+        self._plain = self._refined(plain)
+        self._again(self._plain)
+
+    def _again(self, model: Model) -> None:
+        """Weigh the joints by what a model leaves of them, and forget all fits."""
+        self.gram.set_weights(self.gram.weights_for(self.gram.fit(model).left_out))
+        self._seen.clear()
+        self._zero = self._evidence_of(self._scored(self.zeros))
+
+    def _evidence_of(self, base: Scored | None) -> Evidence:
+        assert base is not None
+        return Evidence(base, np.zeros(len(self.gram.joints)), self.gram.floor, self._c)
+
+    def evidence(self) -> Evidence:
+        """Return what models are compared against: the description, calibrated."""
+        return self._zero
+
+    def score(self, model: Model) -> float:
+        """Return the score of a model; minus infinity if its values are not possible."""
+        scored = self._scored(model)
+        return -np.inf if scored is None else self._zero.score(scored)
+
+    def _scored(self, model: Model) -> Scored | None:
+        """Fit a model, and let it predict the blocks that it was not fitted on."""
+        if model not in self._seen:
+            found = self.gram.fit(model)
+            possible = all(JOINT_EFFECTS[term.effect].possible(theta)
+                           for term, theta in found.theta.items())
+            self._seen[model] = self.as_scored(model, found) if possible else None
+        return self._seen[model]
+
+    def as_scored(self, model: Model, found: Fitted) -> Scored:
+        """Return a fit with its prior: one more unit is the misfit that every torque has."""
+        laws = sorted(model - self.zeros, key=_rank)
+        local = [term for term in laws if term not in self.gram.shared]
+        shaped = sum(self._has_shape(term) for term in laws)
+        return Scored(
+            tuple(map(label, laws)), tuple(map(family_of, laws)),
+            (len(laws), [_rank(term) for term in laws]),
+            found.left_out / self.gram.floor + 1.0, found.fitted / self.gram.floor + 1.0,
+            self.gram.counts,
+            found.known + shaped + sum(len(self.gram.scales[term]) for term in local),
+            sum(JOINT_EFFECTS[term.effect].laws for term in laws),
+            sum(JOINT_EFFECTS[term.effect].is_curve for term in laws), (model, found),
+            found.surprise + sum(self.rarity(term) for term in laws))
+
+    @staticmethod
+    def _has_shape(term: Term) -> bool:
+        """Return whether a law's shape is a value that is told, and not a matter of smoothing."""
+        return JOINT_EFFECTS[term.effect].shape is not None and term.effect != 'coulomb_friction'
+
+    def rarity(self, term: Term) -> float:
+        """Return the log prior odds against a law at just this place, of all where it may be."""
+        return JOINT_EFFECTS[term.effect].laws * self._places[term.effect]
+
+    def _can_add(self, model: Model, terms: Iterable[Term]) -> list[Term]:
+        taken = {group_of(term) for term in model}
+        return [term for term in terms if group_of(term) not in taken]
+
+    # Laws of one joint.
+
+    def _refined(self, model: Model) -> Model:
+        """Improve the laws of each joint in turn, given those that joints share."""
+        best = model
+        for _ in range(_ROUNDS):
+            start = best
+            for k, j in enumerate(self.gram.joints):
+                better = self._climbed(best, k, j)
+                if better != best and self.score(better) > self.score(best):
+                    best = better
+            if best == start:
+                break
+        return self._pruned(best)
+
+    def _climbed(self, model: Model, k: int, j: int) -> Model:
+        """Improve the laws of one joint, with the shared coefficients as they are."""
+        judge = _JointJudge(self, model, k)
+        mine = frozenset(judge.local)
+        rest, here = model - mine, judge.score(mine)
+        for _ in range(_STEPS):
+            near = self.neighbours(mine, self._local[j])
+            scores = [judge.score(one) for one in near]
+            if not near or max(scores) <= here:
+                break
+            here = max(scores)
+            mine = near[int(np.argmax(scores))]
+        return rest | mine
+
+    def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
+        """Return models with one law more, less, or exchanged for another of its group."""
+        laws = [term for term in mine if term not in self.zeros]
+        near = [mine - {term} for term in laws]
+        near += [mine | {term} for term in self._can_add(mine, every)]
+        # Dry and viscous friction together: each alone is bent to stand in for both.
+        rest = frozenset(term for term in mine if group_of(term)[0] not in _PAIR)
+        viscous = [term for term in every if term.effect == 'viscous_friction']
+        near += [rest | {dry, other} for dry in every if dry.effect == 'coulomb_friction'
+                 for other in viscous]
+        return near + [mine - {term} | {other} for term in laws for other in every
+                       if other != term and group_of(other) == group_of(term)]
+
+    def _pruned(self, model: Model) -> Model:
+        """Drop laws as long as a model gains by that."""
+        while True:
+            fewer = max(([model - {term} for term in sorted(model - self.zeros)]),
+                        key=self.score, default=model)
+            if self.score(fewer) <= self.score(model):
+                return model
+            model = fewer
+
+    # As of `Space`.
+
+    def extensions(self, one: Scored) -> list[Scored]:
+        """Add each law that joints share, and refine the laws of the joints beside it."""
+        model: Model = one.found[0]
+        if not model - self.zeros:
+            return self._known([self._plain])
+        self._progress(', '.join(map(label, sorted(model & frozenset(self._shared)))) or 'joints')
+        core = frozenset(term for term in model
+                         if term in self.gram.shared or group_of(term)[0] in _PLAIN)
+        gains = []
+        for term in self._can_add(model, self._shared):
+            gain, best = max((self.score(start | {term}) - self.score(start), k)
+                             for k, start in enumerate((model, core)))
+            if gain > 0.0:
+                gains.append((gain, (model, core)[best] | {term}))
+        gains.sort(key=lambda pair: -pair[0])
+        return self._known([self._refined(start) for _, start in gains[:_TRIED]])
+
+    def siblings(self, one: Scored) -> list[Scored]:
+        """Return models without each law of a model, and with another in its place."""
+        model: Model = one.found[0]
+        near = [model - {term} for term in model - self.zeros]
+        for k, j in enumerate(self.gram.joints):
+            judge = _JointJudge(self, model, k)
+            mine = frozenset(judge.local)
+            best = judge.score(mine)
+            for term in sorted(mine - self.zeros):
+                others = [mine - {term} | {other} for other in self._can_add(
+                    mine - {term}, self._local[j]) if other != term]
+                scores = {other: judge.score(other) for other in others}
+                likely = sorted((other for other in others if scores[other] > best - _NEAR),
+                                key=lambda other: -scores[other])[:_BESIDES]
+                near += [model - mine | other for other in likely]
+        for term in sorted(model & frozenset(self._shared)):
+            near += [model - {term} | {other}
+                     for other in self._can_add(model - {term}, self._shared) if other != term]
+        return self._known(near)
+
+    def to_the_end(self, one: Scored) -> Scored | None:
+        """Return a model: all are fitted to the end."""
+        return one
+
+    def without(self, one: Scored, names: Sequence[str]) -> Scored | None:
+        """Return a model without some of its laws."""
+        model: Model = one.found[0]
+        return self._scored(frozenset(term for term in model if label(term) not in names))
+
+    def _known(self, models: Iterable[Model]) -> list[Scored]:
+        return [one for one in map(self._scored, models) if one is not None]
+
+
+class _JointJudge:
+    """The score of the laws of one joint, with the shared coefficients of a model."""
+
+    def __init__(self, space: ArmModels, model: Model, k: int) -> None:
+        self._space, self._k, self._gram = space, k, space.gram
+        local, shared = self._gram.split(model)
+        self.local = local[k]
+        _, both, _ = self._gram.solve(model)
+        outer, places = self._gram.shared_index(k, shared)
+        theta, gram = both[:, places], self._gram
+        self._w = gram.weights[k]
+        self._rhs = gram.c_fit[k] - np.einsum('bpo,bo->bp', gram.G_fit[k][:, :, outer], theta)
+        G, c = gram.G[k], gram.c[k]
+        self._own = []
+        for one in (theta[:-1], np.broadcast_to(theta[-1], theta[:-1].shape)):
+            rest = c - np.einsum('bpo,bo->bp', G[:, :, outer], one)
+            square = gram.s[:, k] - np.einsum(
+                'bo,bo->b', one, c[:, outer] + rest[:, outer])
+            self._own.append((rest, square))
+
+    def score(self, mine: Model) -> float:
+        """Return log likelihood and prior of the joint's blocks."""
+        gram, k, c = self._gram, self._k, self._space._c
+        terms = sorted(mine, key=repr)
+        index = gram.index(k, terms)
+        K = self._w * gram.G_fit[k][:, index[:, None], index] + np.eye(len(index))
+        T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[:, :, 0]
+        scales = np.concatenate([gram.scales[term] for term in terms])
+        whole, first = scales * T[-1], 0
+        prior = 0.0
+        for term in terms:
+            width, effect = len(gram.scales[term]), JOINT_EFFECTS[term.effect]
+            if not effect.possible(whole[first:first + width]):
+                return -np.inf
+            first += width
+            if term in self._space.zeros:
+                continue
+            prior += (c.parameter * (width + self._space._has_shape(term)) + c.law * effect.laws
+                      + self._space.rarity(term) + c.curve * effect.is_curve)
+        G = gram.G[k][:, index[:, None], index]
+        errors = []
+        for (rest, square), theta in zip(self._own, (T[:-1], np.broadcast_to(
+                T[-1], T[:-1].shape))):
+            e = square - 2.0 * np.einsum('bp,bp->b', theta, rest[:, index]) + np.einsum(
+                'bp,bpq,bq->b', theta, G, theta)
+            errors.append(np.maximum(e, 0.0) / gram.kept[:, k])
+        expected = c.left_out * errors[0] + (1.0 - c.left_out) * errors[1]
+        likelihood = -0.5 * gram.counts[:, k] * np.log(expected / gram.floor[k] + 1.0)
+        return float(likelihood.sum()) - prior
+
+
+def label(term: Term) -> str:
+    """Return a name with its place: what one law is told apart by."""
+    place = 'arm' if term.place is None else term.place
+    if isinstance(place, tuple):
+        place = f'{place[0]}{"+" if place[2] > 0 else "-"}{place[1]}'
+    return f'{term.effect}@{place}' + (f' in file {term.file}' if term.file >= 0 else '')
+
+
+def family_of(term: Term) -> str:
+    """Return kind of law and place, of which a model has one."""
+    group, place, file = group_of(term)
+    return f'{group}@{place}' + (f'#{file}' if file >= 0 else '')
+
+
+def _rank(term: Term) -> tuple[int, str, float]:
+    return _ORDER[term.effect], label(term), term.shape

@@ -1,0 +1,200 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Rigid-body dynamics of a whole arm, by Pinocchio."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .robot_model import parsed_urdf, pinocchio
+from ..exceptions import ModelFileError, UnknownNameError
+
+Array = NDArray[np.float64]
+
+PER_LINK = 10
+"""
+Parameters of a link: mass, first moments m c (3), inertia at its joint (xx, xy, yy, xz, yz, zz).
+"""
+
+_PLACEHOLDER_KG, _PLACEHOLDER_KGM2 = 0.05, 1e-9  # no arm's heaviest link is lighter
+
+
+class ArmDynamics:
+    """
+    tau = RNEA(q, q', q''): M(q) q'' + C(q, q') q' + g(q) of the arm of a robot description.
+
+    Joints of the description that are not named are locked at 0. Featherstone, Rigid Body Dynamics
+    Algorithms, 2008, chapter 5.
+
+    Parameters
+    ----------
+    urdf : str
+        Robot description (the text of a URDF file).
+    joints : sequence of str, optional
+        The n joints that move, in any order; all by default.
+
+    Attributes
+    ----------
+    joints, links : tuple of str
+        The joints from base to tip, and the link that each of them moves.
+    neutral : ndarray, shape (10 n,)
+        Parameters of all links of the description, see `PER_LINK`; what a locked joint carries
+        belongs to the link below.
+    model, data : pinocchio.Model, pinocchio.Data
+        As of Pinocchio.
+
+    Raises
+    ------
+    MissingPackageError
+        If Pinocchio is not installed.
+    ModelFileError
+        If the text is no URDF, or its joints have more than one degree of freedom.
+    UnknownNameError
+        If a joint is not in the description.
+
+    """
+
+    def __init__(self, urdf: str, joints: Sequence[str] | None = None) -> None:
+        self._library = pin = pinocchio()
+        full = parsed_urdf(pin, urdf)
+        names = list(full.names)[1:]
+        for joint in joints or ():
+            if joint not in names:
+                raise UnknownNameError.among('joint of the robot description', joint, names)
+        locked = [k for k in range(1, full.njoints)
+                  if joints is not None and full.names[k] not in joints]
+        self.model = pin.buildReducedModel(full, locked, pin.neutral(full))
+        wide = [name for name, joint in zip(list(self.model.names)[1:],
+                                            list(self.model.joints)[1:]) if joint.nv != 1]
+        if wide:
+            raise ModelFileError(
+                f'each joint must have one degree of freedom, got {wide} with more; give the '
+                'description of the arm alone')
+        self.data = self.model.createData()
+        self.joints = tuple(list(self.model.names)[1:])
+        self.links = tuple(_moved_link(self.model, k + 1) for k in range(len(self.joints)))
+        self.neutral: Array = np.concatenate(
+            [one.toDynamicParameters() for one in list(self.model.inertias)[1:]])
+        self._zero = pin.neutral(self.model)
+        self._turns = self.model.nq != self.model.nv
+
+    @property
+    def masses(self) -> Array:
+        """Masses of the links [kg], shape (n,)."""
+        return self.neutral[::PER_LINK]
+
+    @property
+    def placeholder(self) -> str:
+        """Say why the masses of the description cannot be those of an arm; '' if they may be."""
+        heaviest, inertias = self.masses.max(), self.neutral.reshape(-1, PER_LINK)[:, 4:]
+        if heaviest < _PLACEHOLDER_KG:
+            return f'its heaviest moving link has {heaviest:.3g} kg'
+        if len(self.masses) > 2 and np.ptp(self.masses) < 1e-6 * heaviest:
+            return f'each of its links has {heaviest:.3g} kg'
+        if np.abs(inertias).max() < _PLACEHOLDER_KGM2:
+            return 'no link has an inertia'
+        return ''
+
+    def configuration(self, q: Array) -> Array:
+        """Return q of one instant as Pinocchio takes it: unlimited joints by cosine and sine."""
+        return np.asarray(self._library.integrate(self.model, self._zero, q)) if self._turns else q
+
+    def torque(self, q: Array, v: Array, a: Array) -> Array:
+        """
+        Return RNEA(q, q', q'') along a motion.
+
+        Parameters
+        ----------
+        q, v, a : ndarray, shape (N, n)
+            Positions, velocities and accelerations of the joints [rad], [rad/s], [rad/s^2].
+
+        Returns
+        -------
+        tau : ndarray, shape (N, n)
+            Torques [N m].
+
+        """
+        rnea, model, data = self._library.rnea, self.model, self.data
+        return np.array([rnea(model, data, self.configuration(x), y, z)
+                         for x, y, z in zip(q, v, a)])
+
+    def regressor(self, q: Array, v: Array, a: Array) -> Array:
+        """Return Y with tau = Y theta in the parameters of all links, shape (N, n, 10 n)."""
+        each, model, data = self._library.computeJointTorqueRegressor, self.model, self.data
+        return np.array([each(model, data, self.configuration(x), y, z)
+                         for x, y, z in zip(q, v, a)])
+
+    def tilt(self, q: Array) -> Array:
+        """Return the torque per angle by which the base is tilted about y and -x, (N, n, 2)."""
+        pin, gravity = self._library, self.model.gravity.linear.copy()
+        columns = []
+        for axis in range(2):
+            self.model.gravity.linear = np.linalg.norm(gravity) * np.eye(3)[axis]
+            columns.append([pin.computeGeneralizedGravity(
+                self.model, self.data, self.configuration(x)) for x in q])
+        self.model.gravity.linear = gravity
+        return np.moveaxis(np.array(columns), 0, -1)
+
+    def forward(self, q: Array, v: Array, drag: Array) -> tuple[Array, Array]:
+        """Return the inertia matrix M (n, n) and C q' + g + drag (n,) at one instant."""
+        pin, x = self._library, self.configuration(q)
+        M = pin.crba(self.model, self.data, x)
+        M = np.triu(M) + np.triu(M, 1).T
+        return M, pin.nonLinearEffects(self.model, self.data, x, v) + drag
+
+    def with_parameters(self, theta: Array) -> 'ArmDynamics':
+        """Return the arm with other parameters of its links, shape (10 n,)."""
+        other = object.__new__(ArmDynamics)
+        other.__dict__.update(self.__dict__)
+        other.model, other.neutral = self.model.copy(), np.asarray(theta, float)
+        for k, one in enumerate(other.neutral.reshape(-1, PER_LINK)):
+            other.model.inertias[k + 1] = self._library.Inertia.FromDynamicParameters(one)
+        other.data = other.model.createData()
+        return other
+
+    @property
+    def limits(self) -> dict[str, Array]:
+        """Limits of position (2, n) [rad], velocity (n,) and effort (n,); inf where none."""
+        index = [joint.idx_q for joint in list(self.model.joints)[1:]]
+        single = np.array([joint.nq == 1 for joint in list(self.model.joints)[1:]])
+        low, high = (np.where(single, values[index], end) for values, end in (
+            (self.model.lowerPositionLimit, -np.inf), (self.model.upperPositionLimit, np.inf)))
+        empty = ~(low < high)
+        return {'position': np.array([np.where(empty, -np.inf, low),
+                                      np.where(empty, np.inf, high)]),
+                'velocity': _or_infinite(self.model.velocityLimit),
+                'effort': _or_infinite(self.model.effortLimit)}
+
+    def frame_positions(self, q: Array) -> Array:
+        """Return the origins of base, joints and tip at one instant, shape (n + 2, 3) [m]."""
+        pin = self._library
+        pin.framesForwardKinematics(self.model, self.data, self.configuration(q))
+        joints = [pose.translation.copy() for pose in list(self.data.oMi)[1:]]
+        return np.array([np.zeros(3), *joints, self.data.oMf[self.model.nframes - 1].translation])
+
+
+def _or_infinite(limit: Any) -> Array:
+    values = np.asarray(limit, float)
+    return np.where(values > 0.0, values, np.inf)
+
+
+def _moved_link(model: Any, joint: int) -> str:
+    """Return the first link that a joint moves."""
+    return next((frame.name for frame in model.frames
+                 if 'BODY' in str(frame.type) and frame.parentJoint == joint),
+                model.names[joint])

@@ -1,0 +1,124 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Joint states of a whole arm, with efforts."""
+
+from __future__ import annotations
+
+from struct import pack
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .cdr import CdrCursor, malformed, NS_PER_S
+
+Array = NDArray[np.float64]
+
+
+class ArmReading(NamedTuple):
+    """
+    One message of sensor_msgs/msg/JointState.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Of its header.
+    names : tuple of str
+        The joints.
+    position, velocity, effort : ndarray
+        As published: empty where the publisher leaves them out.
+
+    """
+
+    stamp_ns: int
+    names: tuple[str, ...]
+    position: Array
+    velocity: Array
+    effort: Array
+
+
+def decode_arm(raw: bytes) -> ArmReading:
+    """
+    Read sensor_msgs/msg/JointState with all joints.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    reading : ArmReading
+        What it holds.
+
+    Raises
+    ------
+    MessageError
+        If the bytes are no such message.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        order = cursor.byte_order
+        sec, nanosec = (int(np.frombuffer(raw, order + kind, 1, cursor.skip(4, 4))[0])
+                        for kind in ('i4', 'u4'))
+        cursor.text()  # frame
+        names = tuple(cursor.texts())
+        arrays = []
+        for _ in range(3):
+            places = cursor.doubles()
+            arrays.append(np.frombuffer(raw, order + 'f8', len(places), places.start)
+                          if len(places) else np.zeros(0))
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, 'sensor_msgs/msg/JointState', error) from error
+    return ArmReading(sec * NS_PER_S + nanosec, names, *arrays)
+
+
+def encode_arm(
+    stamp_ns: int, names: Sequence[str], position: Array, velocity: Array, effort: Array
+) -> bytes:
+    """
+    Write sensor_msgs/msg/JointState with all joints.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Of the header.
+    names : sequence of str
+        The n joints.
+    position, velocity, effort : ndarray, shape (n,) or (0,)
+        Empty for what is not published.
+
+    Returns
+    -------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    """
+    data = pack('<iI', *divmod(stamp_ns, NS_PER_S)) + pack('<I', 1) + b'\0'
+    data = _aligned(data, 4) + pack('<I', len(names))
+    for name in names:
+        text = name.encode() + b'\0'
+        data = _aligned(data, 4) + pack('<I', len(text)) + text
+    for values in (position, velocity, effort):
+        data = _aligned(data, 4) + pack('<I', len(values))
+        if len(values):
+            data = _aligned(data, 8) + np.asarray(values, '<f8').tobytes()
+    return b'\0\1\0\0' + data
+
+
+def _aligned(data: bytes, alignment: int) -> bytes:
+    return data + bytes(-len(data) % alignment)

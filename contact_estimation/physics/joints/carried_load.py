@@ -1,0 +1,70 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Masses that a robot description has wrongly, and gravity that it has in a wrong direction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .joint_effect import JointEffect, JointMotion, Place
+from ..numeric import Array
+from ...kinematics.arm_dynamics import PER_LINK
+
+_CENTRE, _GYRATION = 0.15, 0.03  # [m], [m^2]: of what an arm carries, per mass
+_TILT = np.radians(3.0)
+_INERTIAL = (('mass', 'kg'), ('mc_x', 'kg m'), ('mc_y', 'kg m'), ('mc_z', 'kg m'),
+             ('I_xx', 'kg m^2'), ('I_xy', 'kg m^2'), ('I_yy', 'kg m^2'), ('I_xz', 'kg m^2'),
+             ('I_yz', 'kg m^2'), ('I_zz', 'kg m^2'))
+
+
+def typical_inertial(mass: float) -> Array:
+    """Return the size of the ten parameters of a body of some mass, shape (10,)."""
+    return mass * np.array([1.0] + 3 * [_CENTRE] + 6 * [_GYRATION])
+
+
+def _of_link(motion: JointMotion, i: int, shape: float) -> dict[int, Array]:
+    first = PER_LINK * i
+    return {j: motion.regressor[:, j, first:first + PER_LINK] for j in range(motion.q.shape[1])}
+
+
+def _of_tilt(motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
+    tilt = motion.arm.tilt(motion.q)
+    return {j: tilt[:, j] for j in range(tilt.shape[1])}
+
+
+def _third_of_link(motion: JointMotion, i: int) -> Array:
+    masses = motion.arm.masses
+    return typical_inertial(0.3 * max(masses[i], 0.2 * masses.mean()))
+
+
+def _body(motion: JointMotion, i: int) -> Array:
+    """Return the size of a body as heavy as the last link, or half the mean one."""
+    masses = motion.arm.masses
+    return typical_inertial(max(masses[-1], 0.5 * masses.mean()))
+
+
+LOAD = (
+    # What the flange carries, or lacks, beyond the description.
+    JointEffect(
+        'payload', 'load', "tau += Y_n(q, q', q'') (mass, mass c, I)", _INERTIAL, _of_link,
+        place='link', typical=_body),
+    JointEffect(
+        'link_inertia', 'load', "tau += Y_i(q, q', q'') (mass, mass c, I)", _INERTIAL, _of_link,
+        place='link', typical=_third_of_link),
+    JointEffect(
+        'base_tilt', 'robot', 'tau += dg(q)/d(angles) angles',
+        (('about_y', 'rad'), ('about_minus_x', 'rad')), _of_tilt, place='arm',
+        typical=lambda motion, place: np.full(2, _TILT)),
+)

@@ -1,0 +1,275 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Simulated motion of an arm under joint control, with the physics of JOINT_EFFECTS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ..physics.joints import JOINT_EFFECTS, JointEffect, JointMotion, Place
+from ..reference.arm_excitation import ArmTrajectory
+
+Array = NDArray[np.float64]
+
+_STEP_S = 1e-3
+_BANDWIDTH, _RATIO = 2.0 * np.pi * 6.0, 0.7  # of the position control [rad/s], damping ratio
+_SLOW = 0.05  # speed of which a fiftieth is the width of a sharp sgn [rad/s]
+_SECANT = 1e-5  # [rad/s]
+_MOTOR = 0.03  # inertia of a motor behind a spring, in that of its link
+_GEAR = 5e4, 20.0  # stiffness and damping of a gear with backlash, per its link's inertia
+_INERTIAL = ('payload', 'link_inertia')
+_SENSED = ('force_gain', 'force_bias', 'force_delay')
+
+
+@dataclass(frozen=True)
+class ArmLaw:
+    """
+    A law at a place.
+
+    Attributes
+    ----------
+    effect : str
+        Key of JOINT_EFFECTS.
+    theta : sequence of float
+        Its coefficients.
+    place : Place
+        Of the kind that the effect has.
+    shape : float
+        Value in which it is not linear.
+
+    """
+
+    effect: str
+    theta: Sequence[float]
+    place: Place = None
+    shape: float = 0.0
+
+
+@dataclass(frozen=True)
+class ArmSensors:
+    """
+    What joint states show of a motion.
+
+    Attributes
+    ----------
+    rate : float
+        [Hz].
+    torque_noise : ndarray, shape (n,)
+        Standard deviation [N m].
+    position_step : float
+        Resolution [rad].
+
+    """
+
+    rate: float = 200.0
+    torque_noise: Array = field(default_factory=lambda: np.zeros(1))
+    position_step: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedArm:
+    """Joint states: times (N,), positions, velocities and efforts (N, n)."""
+
+    t: Array
+    q: Array
+    v: Array
+    tau: Array
+
+
+def simulate_arm(
+    arm: ArmDynamics, wanted: ArmTrajectory, laws: Sequence[ArmLaw], sensors: ArmSensors,
+    seed: int = 0, extra: Array | None = None,
+) -> SimulatedArm:
+    """
+    Let an arm follow a trajectory.
+
+    Linearly implicit Euler steps of 1 ms, so that dry friction sticks: with f the friction,
+    (M + h df/dv + h D) v+ = M v + h (u - C v - g - f + df/dv v), D the gain of the control.
+
+    Parameters
+    ----------
+    arm : ArmDynamics
+        Its true links, n joints.
+    wanted : ArmTrajectory
+        That the control follows: feed-forward of the rigid arm, and position control.
+    laws : sequence of ArmLaw
+        Physics beyond rigid links.
+    sensors : ArmSensors
+        Of the joint states.
+    seed : int
+        Of their noise.
+    extra : ndarray, shape (N, n), optional
+        Torque on the joints over the times of `wanted`, which no law describes [N m].
+
+    Returns
+    -------
+    simulated : SimulatedArm
+        What the robot's driver would publish.
+
+    """
+    body = _Body(arm, laws)
+    feed = arm.torque(wanted.q, wanted.v, wanted.a)
+    times = np.arange(wanted.t[0], wanted.t[-1], _STEP_S)
+    q_d, v_d, u_f = (np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
+                     for one in (wanted.q, wanted.v, feed))
+    pushed = np.zeros_like(u_f) if extra is None else np.stack(
+        [np.interp(times, wanted.t, column) for column in extra.T], axis=1)
+    q, v, tau = (np.empty_like(u_f) for _ in range(3))
+    body.start(q_d[0])
+    for k in range(len(times)):
+        q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], pushed[k])
+    return _sensed(times, q, v, tau, laws, sensors, np.random.default_rng(seed))
+
+
+class _Body:
+    """The arm, its drives, and the laws that act on its motion."""
+
+    def __init__(self, arm: ArmDynamics, laws: Sequence[ArmLaw]) -> None:
+        self.arm, n = _changed(arm, laws), len(arm.joints)
+        self._sprung = [law for law in laws if law.effect in ('joint_flexibility', 'backlash')]
+        self._rotor = np.zeros(n)
+        static = []
+        for law in laws:
+            if law.effect == 'reflected_inertia':
+                self._rotor[law.place] += law.theta[0]
+            elif law.effect not in (*_INERTIAL, *_SENSED, 'base_tilt') and law not in self._sprung:
+                static.append(law)
+        self._grouped = _grouped(static)
+        M, _ = self.arm.forward(np.zeros(n), np.zeros(n), np.zeros(n))
+        self._size = np.diag(M) + self._rotor
+        self._stiff, self._damp = (self._size * _BANDWIDTH**2,
+                                   2.0 * _RATIO * self._size * _BANDWIDTH)
+        self._load = np.zeros(n)
+        self.motors = [law.place for law in self._sprung]
+
+    def start(self, q: Array) -> None:
+        """Begin at rest."""
+        self.q: Array = q.copy()
+        self.v: Array = np.zeros(len(q))
+        self.theta: Array = q[self.motors]
+        self.omega: Array = np.zeros(len(self.motors))
+
+    def _friction(self, v: Array) -> Array:
+        """Return the torque of all laws that depend on the state."""
+        n = len(self.q)
+        motion = JointMotion(self.arm, self.q[None], v[None], np.zeros((1, n)), self._load[None],
+                             np.full(n, _SLOW), np.zeros(n), self._load[None])
+        out = np.zeros(n)
+        for effect, place, shape, theta in self._grouped:
+            for j, column in effect.columns(motion, place, shape).items():
+                out[list(j) if isinstance(j, tuple) else j] += np.einsum(
+                    'k...,k...->...', column[0], theta)
+        return out
+
+    def step(self, q_d: Array, v_d: Array, feed: Array, pushed: Array
+             ) -> tuple[Array, Array, Array]:
+        """Advance by one step; return measured positions and velocities, and the torques."""
+        h, n, m = _STEP_S, len(self.q), self.motors
+        seen, fast = self.q.copy(), self.v.copy()
+        seen[m], fast[m] = self.theta, self.omega
+        u = feed + self._stiff * (q_d - seen) + self._damp * v_d
+        drag = self._friction(fast)
+        slope = (self._friction(fast + _SECANT) - drag) / _SECANT
+        M, bias = self.arm.forward(self.q, self.v, np.zeros(n))
+        M = M + np.diag(self._rotor)
+        A, b = np.zeros((n + len(m),) * 2), np.zeros(n + len(m))
+        A[:n, :n] = M
+        b[:n] = M @ self.v + h * (u - bias + pushed)
+        drives = np.arange(n)
+        drives[m] = n + np.arange(len(m))
+        for k, (law, j) in enumerate(zip(self._sprung, m)):
+            K, D, bent = self._spring(law, k)
+            motor = _MOTOR * self._size[j]
+            A[n + k, n + k] = motor
+            b[n + k] = motor * self.omega[k] + h * u[j]
+            b[j] -= h * u[j]
+            for row, sign in ((j, 1.0), (n + k, -1.0)):
+                b[row] += sign * h * K * bent
+                A[row, n + k] -= sign * h * (h * K + D)
+                A[row, j] += sign * h * (h * K + D)
+        A[drives, drives] += h * (slope + self._damp)
+        b[drives] += h * (slope * fast - drag)
+        new = np.asarray(np.linalg.solve(A, b), np.float64)
+        u -= self._damp * new[drives]
+        self._load = M @ (new[:n] - self.v) / h + bias
+        self.v, self.omega = new[:n], new[n:]
+        self.q, self.theta = self.q + h * self.v, self.theta + h * self.omega
+        return seen, fast, u
+
+    def _spring(self, law: ArmLaw, k: int) -> tuple[float, float, float]:
+        """Return stiffness, damping and deflection between a motor and its link."""
+        bent, size = float(self.theta[k] - self.q[law.place]), float(self._size[law.place])
+        if law.effect == 'joint_flexibility':
+            K = 1.0 / law.theta[0]
+            return K, 0.1 * np.sqrt(K * size), bent
+        half = 0.5 * law.theta[0]
+        if abs(bent) <= half:
+            return 0.0, 0.0, 0.0
+        return _GEAR[0] * size, _GEAR[1] * size, bent - half * np.sign(bent)
+
+
+def _changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
+    """Return the arm with what its links carry, on its tilted base."""
+    theta = arm.neutral.copy()
+    for law in laws:
+        if law.effect in _INERTIAL:
+            first = PER_LINK * law.place
+            theta[first:first + PER_LINK] += law.theta
+    changed = arm.with_parameters(theta)
+    for law in laws:
+        if law.effect == 'base_tilt':
+            gravity = changed.model.gravity.linear.copy()
+            gravity[:2] += np.linalg.norm(gravity) * np.asarray(law.theta)
+            changed.model.gravity.linear = gravity
+    return changed
+
+
+def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[JointEffect, Place, Any, Array]]:
+    """Evaluate the plain laws of all joints at once."""
+    found: list[tuple[JointEffect, Place, Any, Array]] = []
+    for name in ('coulomb_friction', 'viscous_friction'):
+        alike = [law for law in laws if law.effect == name]
+        if alike:
+            found.append((JOINT_EFFECTS[name], tuple(law.place for law in alike),
+                          np.array([law.shape or 1e-3 for law in alike]),
+                          np.array([law.theta for law in alike], dtype=float).T))
+    return found + [(JOINT_EFFECTS[law.effect], law.place, law.shape,
+                     np.asarray(law.theta, dtype=float))
+                    for law in laws if law.effect not in ('coulomb_friction', 'viscous_friction')]
+
+
+def _sensed(
+    t: Array, q: Array, v: Array, tau: Array, laws: Sequence[ArmLaw], sensors: ArmSensors,
+    rng: np.random.Generator,
+) -> SimulatedArm:
+    """Sample with the errors of the sensors."""
+    stamps = np.arange(t[0], t[-1], 1.0 / sensors.rate)
+    late = sum(float(law.theta[0]) for law in laws if law.effect == 'force_delay')
+    q, v, tau = (np.stack([np.interp(stamps - lag, t, column) for column in one.T], axis=1)
+                 for one, lag in ((q, 0.0), (v, 0.0), (tau, late)))
+    for law in laws:
+        if law.effect == 'force_gain':
+            tau[:, law.place] *= 1.0 + law.theta[0]
+        elif law.effect == 'force_bias':
+            tau[:, law.place] += law.theta[0]
+    tau = tau + sensors.torque_noise * rng.normal(size=tau.shape)
+    if sensors.position_step:
+        q = sensors.position_step * np.round(q / sensors.position_step)
+    return SimulatedArm(stamps, q, v, tau)

@@ -1,0 +1,138 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Motions of an arm by which the inertia of its links can be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinematics.arm_dynamics import ArmDynamics
+
+Array = NDArray[np.float64]
+
+_HARMONICS = 5
+_OF_LIMIT = 0.8  # of positions, speeds and efforts
+_TURN, _SPEED = 2.0, 1.5  # [rad], [rad/s] where a description has no limit
+_BLEND_S = 1.0  # from rest, and to it
+_SHOWN = 60  # samples of a motion for its condition
+_SINGULAR = 1e-6  # of the largest singular value: parameters that no motion tells
+
+
+@dataclass(frozen=True)
+class ArmTrajectory:
+    """
+    A motion of an arm with n joints.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Times [s].
+    q, v, a : ndarray, shape (N, n)
+        Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
+    condition : float
+        Of the regressor of the links' parameters.
+
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    condition: float
+
+    def as_csv(self, arm: ArmDynamics) -> str:
+        """Return a table: time, then position, velocity and acceleration of each joint."""
+        names = [f'{kind}.{name}' for kind in ('position', 'velocity', 'acceleration')
+                 for name in arm.joints]
+        rows = np.column_stack([self.t, self.q, self.v, self.a])
+        return '\n'.join([','.join(['t', *names]), *(
+            ','.join(f'{value:.6g}' for value in row) for row in rows)]) + '\n'
+
+
+def exciting_trajectory(
+    arm: ArmDynamics, seed: int = 0, duration: float = 20.0, rate: float = 100.0, tries: int = 50,
+) -> ArmTrajectory:
+    """
+    Return the best conditioned of some random motions within the limits of a description.
+
+    Finite Fourier series (Swevers, Ganseman, Tukel, De Schutter and Van Brussel, IEEE Trans.
+    Robotics and Automation 13(5), 1997), from rest to rest. Collisions are not checked.
+
+    Parameters
+    ----------
+    arm : ArmDynamics
+        With n joints.
+    seed : int
+        Of the draws.
+    duration, rate : float
+        [s], [Hz].
+    tries : int
+        Number of motions.
+
+    Returns
+    -------
+    trajectory : ArmTrajectory
+        Within 0.8 of the limits of position, speed and effort.
+
+    """
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, duration, 1.0 / rate)
+    drawn = [_drawn(arm, t, rng) for _ in range(tries)]
+    scores = [_condition(arm, *motion) for motion in drawn]
+    best = int(np.argmin(scores))
+    return ArmTrajectory(t, *drawn[best], scores[best])
+
+
+def _drawn(arm: ArmDynamics, t: Array, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Draw a motion: harmonics of a tenth of a hertz, as large as the limits allow."""
+    limits, n = arm.limits, len(arm.joints)
+    low, high = limits['position']
+    free = ~(np.isfinite(low) & np.isfinite(high))
+    middle = np.where(free, 0.0, 0.5 * (low + high))
+    reach = _OF_LIMIT * np.where(free, _TURN, np.minimum(0.5 * (high - low), 2.0 * _TURN))
+    speed = _OF_LIMIT * np.minimum(limits['velocity'], _SPEED)
+    x = np.zeros((len(t), n))
+    for k in range(1, _HARMONICS + 1):
+        size, phase = rng.normal(size=n) / k, rng.uniform(0.0, 2.0 * np.pi, n)
+        x += size * np.sin(2.0 * np.pi * 0.1 * k * t[:, None] + phase)
+    s = np.clip(np.minimum(t, t[-1] - t) / _BLEND_S, 0.0, 1.0)[:, None]
+    x = x * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    v = np.gradient(x, t, axis=0)
+    scale = np.minimum(reach / np.abs(x).max(axis=0), speed / np.abs(v).max(axis=0))
+    x, v = x * scale, v * scale
+    a = np.gradient(v, t, axis=0)
+    rows = slice(None, None, max(1, len(t) // _SHOWN))
+    effort = np.abs(arm.torque(middle + x[rows], v[rows], a[rows])).max(axis=0)
+    still = np.abs(arm.torque(middle + x[rows], 0.0 * v[rows], 0.0 * a[rows])).max(axis=0)
+    # Slower where the drives are too weak: inertial torques fall with the square of the speed.
+    room = np.maximum(_OF_LIMIT * limits['effort'] - still, 0.0)
+    slower = float(np.sqrt(np.min(np.clip(room / np.maximum(effort - still, 1e-9), 0.04, 1.0))))
+    if slower < 1.0:
+        inner = slower * t
+        x, v, a = (np.stack([np.interp(inner, t, column) for column in one.T], 1) * slower**k
+                   for k, one in enumerate((x, v, a)))
+    return middle + x, v, a
+
+
+def _condition(arm: ArmDynamics, q: Array, v: Array, a: Array) -> float:
+    """Return the condition of the regressor, over the parameters that a motion can tell."""
+    rows = slice(None, None, max(1, len(q) // _SHOWN))
+    Y = arm.regressor(q[rows], v[rows], a[rows])
+    Y = Y.reshape(-1, Y.shape[2]) / (np.abs(Y).max(axis=(0, 1)) + 1e-12)
+    singular = np.linalg.svd(Y, compute_uv=False)
+    return float(singular[0] / singular[singular > _SINGULAR * singular[0]][-1])

@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings of a small arm: rigid-body dynamics of Pinocchio plus laws, without integration."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, Sequence
+
+from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from contact_estimation.physics.joints import JOINT_EFFECTS, JointMotion
+from contact_estimation.plant.arm_models import arm_description
+from contact_estimation.plant.arm_simulation import ArmLaw
+from contact_estimation.reference.arm_excitation import ArmTrajectory, exciting_trajectory
+import numpy as np
+
+URDF = arm_description('planar_3r')
+JOINTS = ('joint_1', 'joint_2', 'joint_3')
+FRICTION = [law for j, (F_c, B) in enumerate(((3.0, 2.0), (1.5, 1.0), (0.2, 0.1)))
+            for law in (ArmLaw('coulomb_friction', [F_c], j, 0.02),
+                        ArmLaw('viscous_friction', [B], j))]
+
+
+@lru_cache(maxsize=4)
+def motion(seed: int = 1, duration: float = 25.0) -> ArmTrajectory:
+    """Return a motion of the arm."""
+    return exciting_trajectory(ArmDynamics(URDF), seed, duration, tries=5)
+
+
+def along(arm: ArmDynamics, wanted: ArmTrajectory) -> JointMotion:
+    """Return the motion as laws see it."""
+    load = arm.torque(wanted.q, wanted.v, wanted.a)
+    speed = np.percentile(np.abs(wanted.v), 95, axis=0)
+    return JointMotion(arm, wanted.q, wanted.v, wanted.a, load, speed, wanted.q.mean(axis=0), load,
+                       float(wanted.t[1] - wanted.t[0]))
+
+
+def arm_recording(
+    laws: Sequence[ArmLaw] = (), seed: int = 1, links: float = 0.02, friction: bool = True,
+    **changes: Any,
+) -> ArmRecording:
+    """Return a recording; `changes` replace its q, v or tau by a function of it."""
+    arm, wanted, rng = ArmDynamics(URDF), motion(seed), np.random.default_rng(seed)
+    scale = np.repeat(1.0 + links * rng.uniform(-1.0, 1.0, 3), PER_LINK)
+    here = along(arm, wanted)
+    tau = arm.with_parameters(arm.neutral * scale).torque(wanted.q, wanted.v, wanted.a)
+    for law in [*(FRICTION if friction else []), *laws]:
+        for j, column in JOINT_EFFECTS[law.effect].columns(here, law.place, law.shape).items():
+            tau[:, j] += column @ np.asarray(law.theta)
+    tau += 0.002 * np.ptp(tau, axis=0) * rng.normal(size=tau.shape)
+    signals = {'q': wanted.q, 'v': wanted.v, 'tau': tau}
+    signals.update({name: change(signals[name]) for name, change in changes.items()})
+    return ArmRecording('run.mcap', JOINTS, wanted.t, **signals)

@@ -1,0 +1,217 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the diagnosis of a whole arm names, on a small arm whose physics is known."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+from xml.etree import ElementTree
+
+from arm_worlds import arm_recording, FRICTION, motion, URDF
+from contact_estimation.blind_trials.arm_trials import scored
+from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
+from contact_estimation.diagnosis.arm.channels import Channels, Term
+from contact_estimation.diagnosis.arm.conclude import diagnose_arm
+from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, LEVEL
+from contact_estimation.diagnosis.arm.inertia import (
+    of_pseudo_inertia,
+    possible_inertial,
+    pseudo_inertia,
+)
+from contact_estimation.diagnosis.arm.page import as_html
+from contact_estimation.diagnosis.arm.result import ArmDiagnosis
+from contact_estimation.diagnosis.arm.text import as_dict, as_text
+from contact_estimation.exceptions import RecordingError
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.plant.arm_simulation import ArmLaw
+import numpy as np
+import pytest
+
+BODY = [1.0, 0.1, 0.02, 0.05, 0.01, -0.002, 0.02, -0.005, -0.001, 0.02]
+CONCEALED = {
+    'reflected_inertia': ArmLaw('reflected_inertia', [2.0], 0),
+    'force_bias': ArmLaw('force_bias', [9.0], 1),
+    'force_gain': ArmLaw('force_gain', [0.2], 0),
+    'force_delay': ArmLaw('force_delay', [0.03]),
+    'joint_spring': ArmLaw('joint_spring', [4.0], 1),
+    'payload': ArmLaw('payload', BODY, 2),
+    'base_tilt': ArmLaw('base_tilt', [0.08, 0.0]),
+    'coupled_friction': ArmLaw('coupled_friction', [3.0, 0.5, 0.0], (1, 2, 1)),
+    'joint_flexibility': ArmLaw('joint_flexibility', [0.0008], 0),
+    'stribeck_friction': ArmLaw('stribeck_friction', [0.0, 5.0], 1, 0.15),
+    'load_dependent_friction': ArmLaw('load_dependent_friction', [0.0, 0.2], 0),
+}
+
+
+@lru_cache(maxsize=None)
+def diagnosed(name: str) -> ArmDiagnosis:
+    """Return the diagnosis of a world with one concealed law, beside friction."""
+    return diagnose_arm(arm_recording([CONCEALED[name]] if name in CONCEALED else []), URDF)
+
+
+@pytest.mark.parametrize('name', CONCEALED)
+def test_a_law_is_named_at_its_joint(name: str) -> None:
+    law, found = CONCEALED[name], diagnosed(name)
+    names = [(one.name, one.term.place) for one in found.effects]
+    assert (name, law.place) in names, as_text(found)
+    first = found.effects[names.index((name, law.place))]
+    value = next(iter(first.parameters.values()))
+    wanted = law.theta[0] or value.value
+    assert abs(value.value - wanted) < max(4.0 * value.std, 0.15 * abs(wanted))
+
+
+def test_an_arm_with_friction_and_inexact_links_lacks_nothing_else() -> None:
+    found = diagnosed('nothing')
+    assert found.verdict == 'physics_missing'
+    assert {one.family for one in found.effects} == {'friction'}
+    values = {(one.name, one.term.place): next(iter(one.parameters.values()))
+              for one in found.effects}
+    for law in FRICTION[:4]:
+        assert values[law.effect, law.place].value == pytest.approx(law.theta[0], rel=0.15)
+    assert [one.friction for one in found.joints[:2]] == [
+        pytest.approx((3.0, 2.0), rel=0.1), pytest.approx((1.5, 1.0), rel=0.1)]
+
+
+def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint() -> None:
+    t = motion().t
+    wave = 6.0 * np.sum([np.sin(2.0 * np.pi * f * t + f) for f in (0.21, 0.37, 0.53, 0.83)], 0)
+
+    def disturbed(tau: Any) -> Any:
+        return tau + wave[:, None] * [0.0, 1.0, 0.0]
+
+    found = diagnose_arm(arm_recording(tau=disturbed), URDF)
+    assert {one.name: one.verdict for one in found.joints}['joint_2'] == 'unexplained'
+    assert found.verdict == 'unexplained' and 'joint_2' in as_text(found)
+
+
+@pytest.mark.parametrize('check, changes', [
+    ('torque_sign', {'tau': lambda tau: -tau}),
+    ('torque_sign', {'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),
+    ('joint_order', {'tau': lambda tau: tau[:, [1, 0, 2]]}),
+    ('joint_order', {'tau': lambda tau: tau[:, [1, 0, 2]], 'q': lambda q: q[:, [1, 0, 2]]}),
+    ('angle_unit', {'q': np.degrees}),
+    ('torque_unit', {'tau': lambda tau: 1000.0 * tau}),
+    ('torque_unit', {'tau': lambda tau: tau / 100.0}),
+])
+def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) -> None:
+    found = diagnose_arm(arm_recording(**changes), URDF)
+    assert [one.name for one in found.checks if not one.ok] == [check]
+    assert found.refused and not found.effects and as_dict(found)['verdict'] == 'unexplained'
+
+
+def test_placeholder_masses_are_refused() -> None:
+    root = ElementTree.fromstring(URDF)
+    for mass in root.iter('mass'):
+        mass.set('value', '0.01')
+    found = diagnose_arm(arm_recording(), ElementTree.tostring(root, encoding='unicode'))
+    assert found.refused and 'placeholders' in as_text(found)
+
+
+def test_a_joint_without_effort_is_told_and_left_out() -> None:
+    found = diagnose_arm(arm_recording(tau=lambda tau: tau * [1.0, 1.0, 0.0]), URDF)
+    assert [one.name for one in found.joints] == ['joint_1', 'joint_2']
+    assert 'joint_3: publishes no effort' in as_text(found)
+
+
+def test_an_arm_at_rest_is_refused_and_a_joint_at_rest_left_out() -> None:
+    still = diagnose_arm(arm_recording(q=lambda q: 0.0 * q), URDF)
+    assert still.refused and 'move every joint' in as_text(still)
+    one = diagnose_arm(arm_recording(q=lambda q: q * [1.0, 1.0, 0.0]), URDF)
+    assert one.left_out == {'joint_3': 'rests'} and len(one.joints) == 2
+
+
+def test_a_hand_that_is_not_mounted_is_told() -> None:
+    lack = ArmLaw('payload', [-x for x in BODY], 2)
+    found = diagnose_arm(arm_recording([lack]), URDF)
+    tool = next(one for one in found.checks if one.name == 'tool')
+    assert not tool.ok and 'not mounted' in tool.text
+
+
+def test_a_clock_offset_is_told() -> None:
+    late = diagnose_arm(arm_recording(tau=lambda tau: np.roll(tau, 8, axis=0)), URDF)
+    clock = next(one for one in late.checks if one.name == 'clock_offset')
+    assert not clock.ok and '80 ms later' in clock.text
+
+
+def test_other_joints_than_those_described_are_an_error() -> None:
+    one = arm_recording()
+    other = ArmRecording(one.name, ('a', 'b', 'c'), one.t, one.q, one.v, one.tau)
+    with pytest.raises(RecordingError, match='expected those of the robot description: joint_1'):
+        diagnose_arm(other, URDF)
+
+
+def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
+    channels = Channels([arm_recording()], ArmDynamics(URDF))
+    gram = Gram(channels)
+    model = [Term('viscous_friction', j) for j in range(3)] + [Term('force_delay')]
+    found, (piece,), size = gram.fit(model), channels.pieces, gram.width(CALIBRATION)
+    blocks = np.array_split(np.arange(len(piece.t)), len(gram.times))
+    left_out = []
+    for out in [*blocks, np.zeros(0, int)]:
+        A, b, errors = np.eye(size + 4), np.zeros(size + 4), []
+        for j in range(3):
+            X = np.zeros((len(piece.t), size + 4))
+            X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
+            X[:, size - 2:size] = LEVEL * piece.columns[Term('base_tilt')][j]
+            X[:, size + j:size + j + 1] = piece.columns[model[j]][j] * gram.scales[model[j]]
+            X[:, -1:] = piece.columns[model[3]][j] * gram.scales[model[3]]
+            keep = piece.moving[:, j].copy()
+            errors.append((X[out][keep[out]], piece.residual[out, j][keep[out]]))
+            keep[out] = False
+            A += gram.weights[j] * X[keep].T @ X[keep]
+            b += gram.weights[j] * X[keep].T @ piece.residual[keep, j]
+        theta = np.linalg.solve(A, b)
+        left_out.append([np.mean((y - X @ theta) ** 2) for X, y in errors] if len(out) else [])
+    assert found.theta[model[3]] == pytest.approx(theta[-1:] * gram.scales[model[3]])
+    assert found.left_out == pytest.approx(np.array(left_out[:-1]), rel=1e-6)
+
+
+def test_a_body_is_made_possible_where_it_is_not() -> None:
+    assert of_pseudo_inertia(pseudo_inertia(np.array(BODY))) == pytest.approx(BODY)
+    assert np.linalg.eigvalsh(pseudo_inertia(np.array(BODY))).min() > 0.0
+    wrong = np.array(BODY) - [0.0, 0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0]
+    found = possible_inertial(wrong, np.diag(np.full(10, 1e-4)))
+    assert np.linalg.eigvalsh(pseudo_inertia(found)).min() > 0.0
+    assert found[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> None:
+    found = diagnosed('payload')
+    text = corrected_urdf(found, URDF)
+    again = diagnose_arm(arm_recording([CONCEALED['payload']], friction=False), text)
+    assert 'payload' not in [one.name for one in again.effects]
+    assert 'friction=' in text and 'frictionloss=' in mjcf_snippet(found)
+
+
+def test_the_page_shows_the_arm_and_every_name() -> None:
+    found = diagnosed('payload')
+    page = as_html(found, 'run')
+    assert page.count('data:image/png') == 3
+    assert all(one.name.replace('_', ' ') in page for one in found.effects)
+
+
+@pytest.mark.parametrize('named, outcome', [
+    ([('payload', 'load', ['joint_3'])], 'right'), ([('base_tilt', 'robot', [])], 'wrong'),
+    ([], 'silent'), ([('coulomb_friction', 'friction', ['joint_1'])], 'silent'),
+])
+def test_trials_count_the_first_name_beyond_friction(named: list[Any], outcome: str) -> None:
+    truth = {'kind': 'payload', 'arm': 'planar_3r',
+             'effects': [{'name': 'payload', 'family': 'load', 'place': None}]}
+    report = {'verdict': 'physics_missing', 'joints': [], 'effects': [
+        {'name': name, 'family': family, 'joints': joints, 'place': ''}
+        for name, family, joints in named]}
+    assert scored(truth, report, 'world')['outcome'] == outcome

@@ -1,0 +1,129 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The rigid-body dynamics of an arm, its laws and its motions."""
+
+from __future__ import annotations
+
+from arm_worlds import along, JOINTS, motion, URDF
+from contact_estimation.exceptions import UnknownNameError
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from contact_estimation.messages import decode_arm, encode_arm
+from contact_estimation.physics.joints import JOINT_EFFECTS
+from contact_estimation.plant.arm_models import arm_description, ARM_MODELS
+from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm
+from contact_estimation.reference.arm_excitation import exciting_trajectory
+import numpy as np
+import pytest
+
+PLACES = {'joint': 1, 'link': 1, 'pair': (0, 1, 1), 'arm': None}
+
+
+@pytest.mark.parametrize('name', ARM_MODELS)
+def test_torques_are_linear_in_the_parameters_of_the_links(name: str) -> None:
+    arm, rng = ArmDynamics(arm_description(name)), np.random.default_rng(0)
+    q, v, a = rng.normal(size=(3, 4, len(arm.joints)))
+    assert arm.regressor(q, v, a) @ arm.neutral == pytest.approx(arm.torque(q, v, a))
+    other = arm.neutral * np.repeat(1.0 + 0.1 * rng.normal(size=len(arm.joints)), PER_LINK)
+    assert arm.with_parameters(other).torque(q, v, a) == pytest.approx(
+        arm.regressor(q, v, a) @ other)
+
+
+def test_tilt_is_the_change_of_gravity_when_the_base_turns() -> None:
+    arm, q = ArmDynamics(arm_description('elbow_6r')), np.full((1, 6), 0.3)
+    column, small = arm.tilt(q)[0, :, 0], 1e-6
+    turned = ArmDynamics(arm_description('elbow_6r').replace(
+        '<link name="base"/>', '<link name="world"/><link name="base"/><joint name="mount" '
+        f'type="fixed"><parent link="world"/><child link="base"/><origin rpy="0 {small} 0"/>'
+        '</joint>'))
+    still = np.zeros((1, 6))
+    change = turned.torque(q, still, still) - arm.torque(q, still, still)
+    assert change[0] / small == pytest.approx(column, rel=1e-4, abs=1e-3)
+
+
+def test_placeholder_masses_are_told() -> None:
+    light = ArmDynamics(URDF).with_parameters(0.003 * ArmDynamics(URDF).neutral)
+    assert 'kg' in light.placeholder
+    assert not ArmDynamics(URDF).placeholder
+
+
+def test_an_unknown_joint_is_an_error_that_lists_the_known() -> None:
+    with pytest.raises(UnknownNameError, match='joint_1, joint_2, joint_3'):
+        ArmDynamics(URDF, ['joint_7'])
+
+
+@pytest.mark.parametrize('name', JOINT_EFFECTS)
+def test_each_law_has_a_finite_column_for_each_coefficient(name: str) -> None:
+    effect, here = JOINT_EFFECTS[name], along(ArmDynamics(URDF), motion())
+    place = PLACES[effect.place]
+    for shape in effect.shapes(here, place):
+        columns = effect.columns(here, place, shape)
+        assert {one.shape for one in columns.values()} == {
+            (len(here.q), len(effect.coefficients))}
+        assert np.isfinite(list(columns.values())).all()
+        assert np.abs(list(columns.values())).max() > 0.0
+
+
+def test_stribeck_friction_is_that_of_the_library() -> None:
+    here = along(ArmDynamics(URDF), motion())
+    v, v_s = here.v[:, 0], 0.3
+    columns = JOINT_EFFECTS['stribeck_friction'].columns(here, 0, v_s)[0]
+    expected = (2.0 + 3.0 * np.exp(-(v / v_s) ** 2)) * np.tanh(v / (0.02 * here.speed[0]))
+    assert columns @ [2.0, 5.0] == pytest.approx(expected)
+
+
+def test_the_link_behind_a_flexible_joint_lags_by_compliance_times_torque() -> None:
+    arm = ArmDynamics(URDF)
+    here = along(arm, motion())
+    column = JOINT_EFFECTS['joint_flexibility'].columns(here, 0, 0.0)[1][:, 0]
+    lag = 1e-6 * here.load[:, 0]
+    q, v, a = here.q.copy(), here.v.copy(), here.a.copy()
+    for signal in (q, v, a):
+        signal[:, 0] -= lag
+        lag = np.gradient(lag, here.period)
+    change = (arm.torque(q, v, a) - here.load)[:, 1] / 1e-6
+    assert column == pytest.approx(change, rel=0.01, abs=0.01 * np.abs(change).max())
+
+
+def test_an_exciting_motion_stays_within_limits_and_is_better_than_a_draw() -> None:
+    arm = ArmDynamics(arm_description('elbow_6r'))
+    best, first = (exciting_trajectory(arm, 3, 10.0, tries=tries) for tries in (8, 1))
+    low, high = arm.limits['position']
+    assert (best.q > low).all() and (best.q < high).all()
+    assert (np.abs(best.v) <= arm.limits['velocity']).all()
+    assert (np.abs(arm.torque(best.q, best.v, best.a)) <= arm.limits['effort']).all()
+    assert best.condition < first.condition
+    assert best.as_csv(arm).startswith('t,position.joint_1,')
+
+
+def test_a_joint_state_of_an_arm_is_decoded_as_it_was_encoded() -> None:
+    q, tau = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
+    reading = decode_arm(encode_arm(5_000_000_007, JOINTS, q, np.zeros(0), tau))
+    assert reading.stamp_ns == 5_000_000_007 and reading.names == JOINTS
+    assert reading.position.tolist() == q.tolist() and not len(reading.velocity)
+    assert reading.effort.tolist() == tau.tolist()
+
+
+def test_a_simulated_arm_obeys_its_laws_and_sticks() -> None:
+    arm, wanted = ArmDynamics(URDF), motion(1, 6.0)
+    laws = [ArmLaw('coulomb_friction', [2.0], j, 1e-3) for j in range(3)]
+    laws += [ArmLaw('force_gain', [0.5], 2)]
+    states = simulate_arm(arm, wanted, laws, ArmSensors(1000.0))
+    a = np.gradient(states.v, states.t, axis=0)
+    load = arm.torque(states.q, states.v, a)
+    moving = np.abs(states.v).min(axis=1) > 0.05
+    assert states.tau[moving, 0] == pytest.approx(
+        (load + 2.0 * np.sign(states.v))[moving, 0], abs=0.5)
+    assert states.tau[moving, 2] == pytest.approx(
+        1.5 * (load + 2.0 * np.sign(states.v))[moving, 2], abs=0.5)

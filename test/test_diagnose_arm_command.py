@@ -1,0 +1,110 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`diagnose --nominal-robot`: what it writes, and one line on stderr for unusable input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from arm_worlds import arm_recording, URDF
+from contact_estimation.blind_trials.arm_trials import write_arm_recording
+from contact_estimation.commands import blind_trials, diagnose
+from contact_estimation.plant.arm_simulation import ArmLaw, SimulatedArm
+import pytest
+from run_commands import Command
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str]) -> Command:
+    return Command('diagnose', diagnose.main, capfd)
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Hold a description, and recordings of an arm with a heavy rotor."""
+    folder = tmp_path_factory.mktemp('arm')
+    (folder / 'arm.urdf').write_text(URDF)
+    for seed in (1, 2):
+        one = arm_recording([ArmLaw('reflected_inertia', [2.0], 0)], seed)
+        write_arm_recording(folder / f'run_{seed}.mcap', one.joints,
+                            SimulatedArm(one.t, one.q, one.v, one.tau))
+    return folder
+
+
+def test_it_writes_report_page_description_and_motion(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    pytest.importorskip('matplotlib')
+    names = {'--json': 'r.json', '--html': 'r.html', '--write-urdf': 'c.urdf',
+             '--write-trajectory': 'm.csv'}
+    options = [part for option, name in names.items() for part in (option, tmp_path / name)]
+    ended = command(folder / 'run_1.mcap', '--nominal-robot', folder / 'arm.urdf', '--holdout',
+                    folder / 'run_2.mcap', *options)
+    assert ended.code == 0, ended.err
+    assert ended.out.startswith('physics missing: the description lacks reflected inertia at')
+    report = json.loads((tmp_path / 'r.json').read_text())
+    first = report['effects'][0]
+    assert (first['name'], first['joint']) == ('reflected_inertia', 'joint_1')
+    assert first['parameters']['I_r']['value'] == pytest.approx(2.0, rel=0.1)
+    held_out = report['fit']['holdouts'][0]
+    assert held_out['share']['joint_1'] > 0.99 > held_out['share_nominal']['joint_1']
+    assert 'run_1.mcap' in (tmp_path / 'r.html').read_text()
+    assert 'armature="' in (tmp_path / 'c.mjcf').read_text()
+    again = command(folder / 'run_2.mcap', '--nominal-robot', tmp_path / 'c.urdf')
+    assert again.code == 0
+    assert (tmp_path / 'm.csv').read_text().startswith('t,position.joint_1,')
+
+
+def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
+    folder: Path, command: Command
+) -> None:
+    body = [1.0, 0.1, 0.02, 0.05, 0.01, -0.002, 0.02, -0.005, -0.001, 0.02]
+    one = arm_recording([ArmLaw('payload', body, 2), ArmLaw('reflected_inertia', [2.0], 0)], 2)
+    write_arm_recording(folder / 'loaded.mcap', one.joints,
+                        SimulatedArm(one.t, one.q, one.v, one.tau))
+    ended = command(folder / 'run_1.mcap', folder / 'loaded.mcap', '--nominal-robot',
+                    folder / 'arm.urdf', '--holdout', folder / 'run_2.mcap')
+    assert ended.code == 0 and 'reflected_inertia at joint_1' in ended.out
+    assert 'payload at link_3 in loaded.mcap' in ended.out
+    held_out = ended.out[ended.out.index('not fitted'):]
+    assert 'joint_1 9' in held_out or 'joint_1 100' in held_out
+
+
+@pytest.mark.parametrize('options, message', [
+    (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], '--nominal belongs to the diagnosis'),
+    (['--nominal-robot', 'run_1.mcap'], 'must be the text of a URDF file'),
+    (['--nominal-robot', 'arm.urdf', '--topic', 'joint_states:=/other'], '/other'),
+    (['--write-urdf', 'c.urdf', '--nominal', 'x.yaml'], '--write-urdf needs --nominal-robot'),
+    ([], 'one of --nominal MODEL.yaml'),
+])
+def test_wrong_use_is_one_line(
+    options: list[str], message: str, folder: Path, command: Command,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(folder)
+    assert message in command.refusal('run_1.mcap', *options)
+
+
+@pytest.mark.slow
+def test_a_study_of_arms_scores_blind_diagnoses(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    study = Command('blind_trials', blind_trials.main, capfd)
+    ended = study('--arms', 1, '--seed', 1, '--output', tmp_path)
+    assert ended.code == 0, ended.err
+    assert ended.out.splitlines()[0].split() == [
+        'concealed', 'worlds', 'right', 'wrong', 'silent', 'accused']
+    assert json.loads((tmp_path / 'arms.json').read_text())[0]['outcome'] == 'right'
