@@ -147,9 +147,10 @@ def test_time_set_back_restarts_and_keeps_stiffness(peer: Peer) -> None:
     again = moved(LONG, peer.begin_ns - 10 * 10**9)
     peer.feed(again)
     assert learned == pytest.approx(4800.0, rel=0.01)
-    # Nothing is learned before the touch: the approach alone keeps the value to the bit.
+    # What the contact before taught is weighed within 0.1 s; the approach alone teaches nothing.
     stiffness = peer.values('stiffness')
-    assert {stiffness[s.stamp_ns] for s in again[:100]} == {learned}
+    kept, = {stiffness[s.stamp_ns] for s in again[50:150]}
+    assert kept == pytest.approx(learned, rel=1e-4)
     assert int(peer.figures()['time_jumps']) == int(jumps) + 2  # the fixture's and this one
     assert stiffness[again[-1].stamp_ns] == pytest.approx(4800.0, rel=0.01)
 
