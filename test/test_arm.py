@@ -79,7 +79,7 @@ def test_stiffness_and_damping_are_found_at_any_rate_of_the_joints(
     assert estimate.stiffness == pytest.approx(K_E, rel=0.01)
     # Joints that come apart and are interpolated put x off by up to 0.08 mm.
     assert abs(estimate.damping - B_E) < max(0.05 * B_E, 2.0 * estimate.damping_std)
-    assert estimate.damping_std < 0.1 * B_E
+    assert estimate.damping_std < 0.12 * B_E
     assert not session.rejected
 
 

@@ -236,12 +236,9 @@ def best_view(given: Given, progress: Progress) -> Seen:
         for view in alternatives(seen):
             progress('another view')
             other = _refitted(view, seen, progress)
-            if view.between == seen.view.between:
-                if _score(other) > _score(seen) - _AS_LIKELY:
-                    other = compare(view, progress, seen.models.parts)
-            elif _promises(other, seen):  # hardly another problem: the best model goes on
-                other = _smoothed(other._replace(
-                    compared=search(other.models, progress, other.compared)), progress)
+            if _score(other) <= _score(seen) - _AS_LIKELY:
+                continue
+            other = compare(view, progress, seen.models.parts)
             if _promises(other, seen):
                 seen = other
     return seen

@@ -187,21 +187,24 @@ class ContactModels:
             near.append(fit_at(recordings, step.model))
             if not several and near[-1].cost < present:
                 break
-        best = min(near, key=lambda found: found.cost)
-        if rings or best.cost >= present:
-            return self._from_afar(recordings, steps if rings else steps[:_STARTS],
-                                   branches if rings else _BRANCHES)
-        return fit(recordings, best.model, _BRIEF, known=best.residuals)
+        if several or near[-1].cost >= present:
+            near += [fit_at(recordings, step.start)
+                     for step in (steps if rings else steps[:_STARTS])]
+        near.sort(key=lambda found: found.cost)
+        if rings or near[0].cost >= present:
+            return self._from_afar(recordings, near, branches if rings else _BRANCHES)
+        return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
 
-    def _from_afar(self, recordings: Recordings, steps: Sequence[Step], branches: int) -> Fit:
+    def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
         """Fit an effect of which one step tells little; a driven wall with a short memory."""
-        near = sorted((fit_at(recordings, model, self._driven)
-                       for step in steps for model in (step.model, step.start)),
+        if not self._driven:
+            return min((fit(recordings, one.model, _LONGER) for one in near[:branches]),
+                       key=lambda found: found.cost)
+        near = sorted((fit_at(recordings, one.model, briefly=True) for one in near),
                       key=lambda found: found.cost)
-        found = [fit(recordings, one.model, _LONGER, self._driven) for one in near[:branches]]
-        if self._driven:
-            found = [fit_at(recordings, one.model) for one in found]
-        best = min(found, key=lambda found: found.cost)
+        longer = [fit(recordings, one.model, _LONGER, briefly=True) for one in near[:branches]]
+        best = min((fit_at(recordings, one.model) for one in longer),
+                   key=lambda found: found.cost)
         return fit(recordings, best.model, _BRIEF, known=best.residuals)
 
     def to_the_end(self, one: Scored) -> Scored | None:
