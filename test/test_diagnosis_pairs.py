@@ -60,12 +60,11 @@ def test_both_laws_are_named() -> None:
     assert found.verdict == 'physics_missing'
 
 
-def test_friction_is_not_told_from_relaxation_if_both_ways_are_as_fast() -> None:
+def test_a_loss_is_named_beside_the_law_if_both_ways_are_as_fast() -> None:
     found = diagnosis(back_s=45.0)
     law, loss = sorted(found.effects, key=lambda effect: effect.family)
     assert law.family == 'elastic_law'
-    alike = {loss.name, *loss.indistinguishable_from}
-    assert {'presliding_friction', 'viscoelastic_relaxation'} <= alike
+    assert loss.name in {'presliding_friction', 'viscoelastic_relaxation'}
 
 
 @pytest.mark.parametrize('elastic, loss, family', [
