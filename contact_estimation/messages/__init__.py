@@ -14,9 +14,10 @@
 
 """CDR messages to plain readings and back, with explicit layouts and no message library."""
 
-from .arm_joints import ArmReading, decode_arm, encode_arm
+from .arm_joints import ArmReading, decode_arm
 from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
+    encode_arm,
     encode_float64,
     encode_multi_array,
     encode_string,

@@ -16,8 +16,7 @@
 
 from __future__ import annotations
 
-from struct import pack
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,40 +84,3 @@ def decode_arm(raw: bytes) -> ArmReading:
     except ValueError as error:
         raise malformed(raw, 'sensor_msgs/msg/JointState', error) from error
     return ArmReading(sec * NS_PER_S + nanosec, names, *arrays)
-
-
-def encode_arm(
-    stamp_ns: int, names: Sequence[str], position: Array, velocity: Array, effort: Array
-) -> bytes:
-    """
-    Write sensor_msgs/msg/JointState with all joints.
-
-    Parameters
-    ----------
-    stamp_ns : int
-        Of the header.
-    names : sequence of str
-        The n joints.
-    position, velocity, effort : ndarray, shape (n,) or (0,)
-        Empty for what is not published.
-
-    Returns
-    -------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    """
-    data = pack('<iI', *divmod(stamp_ns, NS_PER_S)) + pack('<I', 1) + b'\0'
-    data = _aligned(data, 4) + pack('<I', len(names))
-    for name in names:
-        text = name.encode() + b'\0'
-        data = _aligned(data, 4) + pack('<I', len(text)) + text
-    for values in (position, velocity, effort):
-        data = _aligned(data, 4) + pack('<I', len(values))
-        if len(values):
-            data = _aligned(data, 8) + np.asarray(values, '<f8').tobytes()
-    return b'\0\1\0\0' + data
-
-
-def _aligned(data: bytes, alignment: int) -> bytes:
-    return data + bytes(-len(data) % alignment)

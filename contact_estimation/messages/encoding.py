@@ -19,10 +19,16 @@ from __future__ import annotations
 from struct import Struct
 from typing import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .cdr import NS_PER_S
+
+Array = NDArray[np.float64]
 
 _LITTLE_ENDIAN = b'\0\1\0\0'
 _FLOAT64 = Struct('<4sd')
+_STAMPED = Struct('<4siI')
 _PAIR = Struct('<2I')
 _TORQUE = Struct('<3d')
 _ONE = (1).to_bytes(4, 'little')  # length of a sequence of one element
@@ -176,6 +182,35 @@ class JointRowEncoder:
         positions, *rates = rows
         return self._pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, *positions,
                           *(value for row in rates for value in (self._count, *row)))
+
+
+def encode_arm(
+    stamp_ns: int, names: Sequence[str], position: Array, velocity: Array, effort: Array
+) -> bytes:
+    """
+    Write sensor_msgs/msg/JointState with all joints.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Of the header.
+    names : sequence of str
+        The n joints.
+    position, velocity, effort : ndarray, shape (n,) or (0,)
+        Empty for what is not published.
+
+    Returns
+    -------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    """
+    data = _head('', *names)
+    for values in (position, velocity, effort):
+        data = _aligned(data, 4) + len(values).to_bytes(4, 'little')
+        if len(values):
+            data = _aligned(data, 8) + np.asarray(values, '<f8').tobytes()
+    return _STAMPED.pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S)) + data
 
 
 def encode_string(text: str) -> bytes:

@@ -21,6 +21,7 @@ from typing import Any
 
 from .result import ArmDiagnosis, ArmEffect
 from ..conclude.result import Value
+from ..report.json_report import finite
 
 _COLUMNS = (('joint', '<24'), ('verdict', '<16'), ('range', '>9'), ('nominal', '>9'),
             ('recalibr.', '>10'), ('corrected', '>10'), ('explained', '>10'),
@@ -118,7 +119,7 @@ def _held_out(d: ArmDiagnosis) -> list[str]:
 
 def as_dict(d: ArmDiagnosis) -> dict[str, Any]:
     """Return the report as nested dictionaries, ready for JSON."""
-    return _finite({
+    return finite({
         'verdict': d.verdict,
         'headline': headline(d),
         'effects': [_effect_dict(one) for one in d.effects],
@@ -154,12 +155,3 @@ def _effect_dict(one: ArmEffect) -> dict[str, Any]:
                      'region': one.region},
         'note': one.note,
     }
-
-
-def _finite(value: Any) -> Any:
-    """Replace numbers that JSON does not have by null."""
-    if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not isfinite(value) else value

@@ -26,7 +26,7 @@ from ..observe.model import Model, names_of
 def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[str, Any]:
     """Return the report as nested dictionaries."""
     d = diagnosis
-    return _finite({
+    return finite({
         'verdict': d.verdict,
         'effects': [_effect(effect) for effect in d.effects],
         'location': None if d.location is None else d.location.as_dict(),
@@ -106,12 +106,12 @@ def _base(model: Model) -> dict[str, Any]:
     return {**base, **({'physics': given} if given else {})}
 
 
-def _finite(data: Any) -> Any:
+def finite(data: Any) -> Any:
     """Replace numbers that JSON cannot represent by null."""
     if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
+        return {key: finite(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
-        return [_finite(value) for value in data]
+        return [finite(value) for value in data]
     if isinstance(data, float):
         return data if isfinite(data) else None
     return data
