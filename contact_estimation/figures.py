@@ -45,15 +45,7 @@ STYLE = {
 
 @contextmanager
 def figure_style() -> Iterator[None]:
-    """
-    Apply the style to the figures plotted meanwhile; also a decorator of plotting functions.
-
-    Raises
-    ------
-    MissingPackageError
-        If matplotlib is not installed.
-
-    """
+    """Apply the style to the figures plotted meanwhile; also a decorator of plotting functions."""
     with require_matplotlib().rc_context(STYLE):
         yield
 
@@ -73,33 +65,13 @@ def new_figure(
     **options
         Of `matplotlib.figure.Figure.subplots`.
 
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        Free of pyplot: nothing to close.
-    axes : Axes or ndarray of Axes
-        As of `Figure.subplots`.
-
     """
     figure = require_matplotlib().Figure(figsize=size)
     return figure, figure.subplots(rows, columns, **options)
 
 
 def as_png(figure: Any) -> bytes:
-    """
-    Render a figure.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Any.
-
-    Returns
-    -------
-    data : bytes
-        PNG file.
-
-    """
+    """Render a figure."""
     stream = io.BytesIO()
     with figure_style():
         figure.savefig(stream, format='png')
@@ -107,38 +79,12 @@ def as_png(figure: Any) -> bytes:
 
 
 def as_data_uri(figure: Any) -> str:
-    """
-    Render a figure for an HTML page.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Any.
-
-    Returns
-    -------
-    uri : str
-        A PNG file as the address of a picture.
-
-    """
+    """Render a figure for an HTML page."""
     return 'data:image/png;base64,' + b64encode(as_png(figure)).decode('ascii')
 
 
 def require_matplotlib() -> Any:
-    """
-    Import matplotlib for files, without a display.
-
-    Returns
-    -------
-    pyplot : module
-        matplotlib.pyplot.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-
-    """
+    """Import matplotlib for files, without a display."""
     try:
         import matplotlib
     except ImportError as error:

@@ -52,38 +52,13 @@ class ThisProcess:
 
 
 class DaskWorkers:
-    """
-    The workers of a Dask client.
-
-    Parameters
-    ----------
-    client : distributed.Client
-        Connected.
-    in_flight : int
-        Number of tasks that are submitted at a time: what bounds the memory of this process.
-
-    """
+    """The workers of a Dask client."""
 
     def __init__(self, client: Any, in_flight: int) -> None:
         self._client, self._in_flight = client, in_flight
 
     def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
-        """
-        Run calls.
-
-        Parameters
-        ----------
-        calls : mapping of str to Call
-            Started in this order.
-
-        Yields
-        ------
-        key : str
-            Of the call that has ended; in the order in which they end.
-        answer : Answer
-            A worker that dies repeatedly with the same call ends that call alone.
-
-        """
+        """Run calls."""
         from distributed import as_completed
 
         waiting = iter(calls.items())
@@ -112,30 +87,7 @@ class DaskWorkers:
 
 @contextmanager
 def workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
-    """
-    Start workers on this machine, or connect to those of a scheduler.
-
-    Parameters
-    ----------
-    scheduler : str or None
-        Address such as 'tcp://host:8786'; None for a process for each job on this machine.
-    jobs : int or None
-        Number of processes, by default one for each processor; with a scheduler the number of
-        tasks at a time, by default twice that of the workers' threads.
-
-    Yields
-    ------
-    workers : Workers
-        Until the end of the block.
-
-    Raises
-    ------
-    MissingPackageError
-        If Dask is not installed.
-    FleetError
-        If no worker answers, or one has another version of this package.
-
-    """
+    """Start workers on this machine, or connect to those of a scheduler."""
     if scheduler is None:
         with _local_client(jobs or os.cpu_count() or 1) as client:
             yield DaskWorkers(client, _IN_FLIGHT * (jobs or os.cpu_count() or 1))
@@ -146,20 +98,7 @@ def workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 
 
 def require_distributed() -> Any:
-    """
-    Import Dask.
-
-    Returns
-    -------
-    distributed : module
-        As installed.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-
-    """
+    """Import Dask."""
     try:
         import distributed
     except ImportError as error:
@@ -168,15 +107,7 @@ def require_distributed() -> Any:
 
 
 def installed_version() -> str:
-    """
-    Return the version of this package.
-
-    Returns
-    -------
-    version : str
-        'unknown' where it runs without being installed.
-
-    """
+    """Return the version of this package."""
     try:
         return metadata.version('contact_estimation')
     except metadata.PackageNotFoundError:

@@ -25,21 +25,7 @@ _MOST_PRINTED = 4000  # characters of a line
 
 
 def printable(text: str) -> str:
-    """
-    Return a text as one line that any terminal shows as it is.
-
-    Parameters
-    ----------
-    text : str
-        May hold texts from files, and undecodable bytes of file names as surrogates.
-
-    Returns
-    -------
-    text : str
-        Control and format characters, such as escape sequences and line ends, as in a Python
-        literal; the middle of more than 4000 characters is left out.
-
-    """
+    """Return a text as one line that any terminal shows as it is."""
     if not text.isprintable():
         text = text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
         text = ''.join(c if c.isprintable() else c.encode('unicode_escape').decode()
@@ -51,28 +37,7 @@ def printable(text: str) -> str:
 
 
 def yaml_file(path: Path) -> Any:
-    """
-    Read a YAML file of plain data.
-
-    Parameters
-    ----------
-    path : Path
-        A regular file of at most `MOST_BYTES`, nested at most `MOST_LEVELS` deep, with integers
-        of 64 bits and at most `MOST_VALUES` values.
-
-    Returns
-    -------
-    content : mapping, list, text, number or None
-        Plain data.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is not such a file; the text says in one line what is wrong where.
-
-    """
+    """Read a YAML file of plain data."""
     if not path.is_file() and path.exists():
         raise ValueError('expected a regular file, got a folder, pipe or device')
     with open(path, 'rb') as stream:
@@ -88,25 +53,7 @@ def yaml_file(path: Path) -> Any:
 
 
 def json_content(text: str) -> Any:
-    """
-    Read JSON of plain data.
-
-    Parameters
-    ----------
-    text : str
-        JSON.
-
-    Returns
-    -------
-    content : dict, list, str, number or None
-        Plain data.
-
-    Raises
-    ------
-    ValueError
-        If it is not JSON, or nested deeper than Python can read.
-
-    """
+    """Read JSON of plain data."""
     try:
         return json.loads(text)
     except RecursionError as error:

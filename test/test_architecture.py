@@ -14,8 +14,8 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings',
-    'signals',
+    'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages',
+    'recordings', 'signals',
     'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',

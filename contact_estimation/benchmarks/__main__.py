@@ -53,25 +53,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the chosen benchmarks.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    ParameterRangeError
-        If an option is out of range.
-
-    """
+    """Run the chosen benchmarks."""
     _check(options)
     output = new_file(options.json) if options.json else None
     results: dict[str, Any] = {'machine': _machine()}

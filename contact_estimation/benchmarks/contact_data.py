@@ -44,11 +44,6 @@ def contact_data(seconds: float) -> ContactData:
     seconds : float
         Duration of the contact [s].
 
-    Returns
-    -------
-    data : ContactData
-        The samples.
-
     """
     approach, pressed = pressing(seconds)
     results = [*approach, *pressed]
@@ -62,22 +57,7 @@ def _followed(result: Result) -> Reference:
 
 
 def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
-    """
-    Build a pipeline that has processed the approach.
-
-    Parameters
-    ----------
-    data : ContactData
-        Samples.
-    name : str
-        Name of the estimator.
-
-    Returns
-    -------
-    pipeline : EstimationPipeline
-        Ready for `data.samples`.
-
-    """
+    """Build a pipeline that has processed the approach."""
     parameters = build(EstimationParameters, {'estimator': name, 'sample_rate': RATE})
     pipeline = EstimationPipeline(parameters)
     for sample, reference in data.approach:
@@ -86,20 +66,7 @@ def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
 
 
 def estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
-    """
-    Collect the rows that a pipeline passes to an estimator that runs on rows.
-
-    Parameters
-    ----------
-    data, name
-        See `settled_pipeline`.
-
-    Returns
-    -------
-    rows : list of tuple
-        Gated and filtered rows.
-
-    """
+    """Collect the rows that a pipeline passes to an estimator that runs on rows."""
     pipeline = settled_pipeline(data, name)
     rows: list[TimedRow] = []
     assert pipeline.estimator is not None
@@ -116,20 +83,7 @@ def estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
 
 
 def learning_share(data: ContactData, name: str) -> float:
-    """
-    Return the fraction of samples that update the estimate.
-
-    Parameters
-    ----------
-    data, name
-        See `settled_pipeline`.
-
-    Returns
-    -------
-    share : float
-        Below 1, the times of the pipeline are too low.
-
-    """
+    """Return the fraction of samples that update the estimate."""
     take = settled_pipeline(data, name).take
     statuses = [take(sample, reference).status for sample, reference in data.samples]
     return sum(status is EstimateStatus.ESTIMATING for status in statuses) / len(statuses)

@@ -49,11 +49,6 @@ class CpuMeter:
         begin_ns, end_ns : int
             Interval on the clock of `time.time_ns`, within the samples [ns].
 
-        Returns
-        -------
-        load : float
-            Percentage of one core.
-
         """
         zero = self._at_ns[0]
         at = np.array([t - zero for t in self._at_ns], float)
@@ -64,11 +59,6 @@ class CpuMeter:
 def process_cpu_s(pid: int) -> float:
     """
     Read the CPU time of a process.
-
-    Parameters
-    ----------
-    pid : int
-        Process id.
 
     Returns
     -------

@@ -55,15 +55,7 @@ class EchoNode(Node):
 
 
 def main() -> int:
-    """
-    Run the node until it is interrupted.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Run the node until it is interrupted."""
     rclpy.init()
     executor = SingleThreadedExecutor()
     try:

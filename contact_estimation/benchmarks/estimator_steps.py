@@ -27,20 +27,7 @@ _NOTHING_FROZEN = Frozen(False, False)
 
 
 def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
-    """
-    Prepare a pipeline as used by the node and by replay.
-
-    Parameters
-    ----------
-    data, name
-        See `settled_pipeline`.
-
-    Returns
-    -------
-    one_by_one, in_runs : callable
-        Sample by sample, as the node; many samples per call, as replay.
-
-    """
+    """Prepare a pipeline as used by the node and by replay."""
     one = settled_pipeline(data, name).process
     run = settled_pipeline(data, name).process
     samples = [sample for sample, _ in data.samples]
@@ -56,20 +43,7 @@ def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
 
 
 def session_steps(data: ContactData, name: str) -> Steps:
-    """
-    Prepare a whole session: synchroniser, pipeline and reference, message by message.
-
-    Parameters
-    ----------
-    data, name
-        See `settled_pipeline`.
-
-    Returns
-    -------
-    steps : callable
-        Adds a joint state and a wrench for each sample.
-
-    """
+    """Prepare a whole session: synchroniser, pipeline and reference, message by message."""
     session = ContactSession(
         build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
 
@@ -83,20 +57,7 @@ def session_steps(data: ContactData, name: str) -> Steps:
 
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
-    """
-    Prepare a bare estimator with the rows that its pipeline passes to it, or the samples.
-
-    Parameters
-    ----------
-    data, name
-        See `settled_pipeline`.
-
-    Returns
-    -------
-    one_by_one, in_runs : callable
-        Row by row; many rows per call.
-
-    """
+    """Prepare a bare estimator with the rows that its pipeline passes to it, or the samples."""
     if name == MULTIPLE_MODEL:
         return _posterior_steps(data), _posterior_steps(data)
     rows = estimator_rows(data, name)
@@ -131,20 +92,7 @@ def _posterior_steps(data: ContactData) -> Steps:
 
 
 def filterpy_step(data: ContactData) -> Steps:
-    """
-    Prepare filterpy's Kalman filter for (K_e, B_e, c) with one scalar force per step.
-
-    Parameters
-    ----------
-    data : ContactData
-        Source of the measurements.
-
-    Returns
-    -------
-    steps : callable
-        Predicts and updates; regressors are precomputed.
-
-    """
+    """Prepare filterpy's Kalman filter for (K_e, B_e, c) with one scalar force per step."""
     kalman = KalmanFilter(dim_x=3, dim_z=1)
     kalman.x = np.array([[3000.0], [50.0], [0.0]])
     kalman.P = np.diag([1e6, 1e4, 1.0])

@@ -61,25 +61,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the study and report it.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    ParameterRangeError
-        If a candidate or the seed is not valid.
-
-    """
+    """Run the study and report it."""
     chosen = _chosen(options.only)
     if options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
@@ -120,24 +102,7 @@ def _counts(scenarios: Sequence[str], quick: bool) -> dict[str, int]:
 def study(
     chosen: Mapping[str, Callable[[World], Trace]], counts: Mapping[str, int], seed: int
 ) -> Results:
-    """
-    Score candidates in all scenarios.
-
-    Parameters
-    ----------
-    chosen : mapping
-        Some of `candidates`.
-    counts : mapping
-        Scenario to number of worlds.
-    seed : int
-        Of all worlds.
-
-    Returns
-    -------
-    results : mapping
-        Scores by candidate and scenario; without peers that are not installed.
-
-    """
+    """Score candidates in all scenarios."""
     progress = Progress('benchmarks.estimators_study')
     steps, done = len(counts) * len(chosen), 0
     found: dict[str, dict[str, Any]] = {name: {} for name in chosen}

@@ -45,20 +45,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the demonstration and print its figures.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0; 1 if a table differs or something was done twice.
-
-    """
+    """Run the demonstration and print its figures."""
     for name, least in (('recordings', _LEAST_RECORDINGS), ('seconds', LEAST_S)):
         if getattr(options, name) < least:
             raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')

@@ -46,11 +46,6 @@ def write_archive(folder: Path, count: int, seconds: float) -> Path:
     seconds : float
         Duration of each [s].
 
-    Returns
-    -------
-    nominal : Path
-        The model file.
-
     """
     experiment = touches(seconds)
     broken = {round((place + 0.5) * count / len(_BREAKERS)): breaker
@@ -70,24 +65,7 @@ def write_archive(folder: Path, count: int, seconds: float) -> Path:
 
 
 def world(robot: str, number: int, count: int) -> PlantParameters:
-    """
-    Return the world of a recording.
-
-    Parameters
-    ----------
-    robot : str
-        Of `ROBOTS`.
-    number : int
-        Of the recording in the archive, from 1.
-    count : int
-        Recordings of the archive.
-
-    Returns
-    -------
-    world : PlantParameters
-        Its seed is the number.
-
-    """
+    """Return the world of a recording."""
     uses = (number - 1) // len(ROBOTS)
     stiffness = 4800.0 * ((1.0 - WEAR) ** uses if robot == WORN else 1.0)
     rubs = robot == RUBBING and number >= FRICTION_AT * count
@@ -105,11 +83,6 @@ def touches(seconds: float) -> Experiment:
     ----------
     seconds : float
         Duration [s], at least `LEAST_S`.
-
-    Returns
-    -------
-    experiment : Experiment
-        No force is prescribed.
 
     """
     away, hold = -0.02, (seconds - _OVERHEAD_S) / 3.0

@@ -153,11 +153,6 @@ def healthy_session(
     seed : int
         Of the noise.
 
-    Returns
-    -------
-    session, samples : ContactSession, list of ContactSample
-        After the run, and what it was given.
-
     """
     plant = build(PlantParameters, {
         **PAPER_NOISE, 'environment.stiffness': wall[0], 'environment.damping': wall[1],
@@ -172,15 +167,6 @@ def seconds_to_warning(
 ) -> float:
     """
     Return the time from the first contact until the mistake is reported.
-
-    Parameters
-    ----------
-    samples : sequence of ContactSample
-        Of a healthy loop.
-    mistake : Mistake
-        What to make wrong.
-    estimator : str
-        Name.
 
     Returns
     -------
@@ -208,20 +194,7 @@ def seconds_to_warning(
 
 
 def run(options: Any) -> int:
-    """
-    Run healthy loops and mistakes, and print both tables.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with a false warning or one that is missing or late.
-
-    """
+    """Run healthy loops and mistakes, and print both tables."""
     progress = Progress('input_checks')
     worlds = list(islice(cycle(product(WALLS, EXPERIMENTS)), options.loops))
     names, said, examples = ONLINE_ESTIMATORS, [], []

@@ -78,11 +78,6 @@ def make_world(index: int, friction: float, seed: int, hold_s: float = 6.0) -> M
     hold_s : float
         Duration of the motion in contact [s].
 
-    Returns
-    -------
-    world : MatrixWorld
-        The same for the same arguments.
-
     """
     draw = np.random.default_rng([seed, index])
     frame = np.linalg.qr(draw.standard_normal((3, 3)))[0]  # the normal is its first column
@@ -206,25 +201,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the study and print it.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    ParameterRangeError
-        If an option is out of range.
-
-    """
+    """Run the study and print it."""
     if options.worlds < 1 or options.seed < 0 or options.seconds < 0.5:
         raise ParameterRangeError('expected --worlds >= 1, --seed >= 0 and --seconds >= 0.5')
     print('| mu | K error, median / 90 % | B error | angle of the normal [deg] | K within 2 std '

@@ -27,11 +27,6 @@ def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str,
     estimator : str
         Estimator of the estimator node.
 
-    Returns
-    -------
-    results : dict
-        `runs`, one entry per run; `ratios`, one entry per rate: medians over the pairs.
-
     """
     own = {'echo': [], 'estimator': [f'estimator:={estimator}']}
     runs: list[dict[str, Any]] = []

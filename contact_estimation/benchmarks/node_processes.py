@@ -16,15 +16,7 @@ _TIMEOUT_S = 5.0
 
 
 def own_domain() -> dict[str, str]:
-    """
-    Return the environment of processes in a ROS domain free of other traffic.
-
-    Returns
-    -------
-    environment : dict of str to str
-        That of this process, with a domain chosen by its id.
-
-    """
+    """Return the environment of processes in a ROS domain free of other traffic."""
     return {
         **os.environ,
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
@@ -35,24 +27,7 @@ def own_domain() -> dict[str, str]:
 def start_node(
     module: str, parameters: list[str], remappings: Sequence[str] = ()
 ) -> subprocess.Popen[bytes]:
-    """
-    Start a node in the benchmark's own ROS domain, free of other traffic.
-
-    Parameters
-    ----------
-    module : str
-        Python module of the node.
-    parameters : list of str
-        ROS parameters as NAME:=VALUE.
-    remappings : sequence of str
-        Topics as FROM:=TO.
-
-    Returns
-    -------
-    process : subprocess.Popen
-        Running process.
-
-    """
+    """Start a node in the benchmark's own ROS domain, free of other traffic."""
     options = [word for parameter in parameters for word in ('-p', parameter)]
     options += [word for remapping in remappings for word in ('-r', remapping)]
     return subprocess.Popen(

@@ -41,18 +41,6 @@ def run_node_once(node: str, rate: float, seconds: float, parameters: list[str])
     parameters : list of str
         Further parameters of the node, as NAME:=VALUE.
 
-    Returns
-    -------
-    figures : dict
-        node, rate_hz (achieved), cpu_percent of one core between first and last sample,
-        others_percent (load of everything else; if far from 0, latencies mean little),
-        latency_ms_p50, _p99 and _max, sent, lost.
-
-    Raises
-    ------
-    ContactEstimationError
-        If a process fails or the node publishes no reference.
-
     """
     with TemporaryDirectory() as folder:
         summary = Path(folder) / 'plant.json'

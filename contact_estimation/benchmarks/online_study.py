@@ -53,25 +53,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the study and print its table.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    ParameterRangeError
-        If a row, the seed or the number of processes is not valid.
-
-    """
+    """Run the study and print its table."""
     names = _chosen(options)
     file = new_file(options.json) if options.json else None
     tasks = [(name, index, options.seed) for name in names
@@ -124,23 +106,7 @@ def _grouped(scores: Iterable[Score]) -> list[list[Score]]:
 
 
 def summary(name: str, scores: Sequence[Score]) -> dict[str, Any]:
-    """
-    Summarise the worlds of one group.
-
-    Parameters
-    ----------
-    name : str
-        Of the row.
-    scores : sequence of Score
-        All of one group.
-
-    Returns
-    -------
-    summary : dict
-        Name of each figure to numbers: (median, 90 %) or, in `more`, (median, 90 %, greatest) of
-        sizes; (count, of how many) of what holds or does not; count by name.
-
-    """
+    """Summarise the worlds of one group."""
     errors = [[100.0 * abs(error) for error in column if isfinite(error)]
               for column in zip(*((one.K_error, one.B_error) for one in scores))]
     group = scores[0].group
@@ -180,20 +146,7 @@ def _more(found: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def as_markdown(table: Sequence[Mapping[str, Any]]) -> str:
-    """
-    Format summaries as one Markdown table.
-
-    Parameters
-    ----------
-    table : sequence of mapping
-        Of `summary`.
-
-    Returns
-    -------
-    text : str
-        Median / 90 % of errors, and of other sizes also the greatest.
-
-    """
+    """Format summaries as one Markdown table."""
     lines = ['| ' + ' | '.join(_COLUMNS) + ' |', '|---' * len(_COLUMNS) + '|']
     for row in table:
         more = '; '.join(f'{key} {_text(value)}' for key, value in row['more'].items() if value)

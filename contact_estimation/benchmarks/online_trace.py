@@ -92,20 +92,7 @@ class Score(NamedTuple):
 
 
 def follow(world: World) -> Trace:
-    """
-    Feed a session as node and replay do.
-
-    Parameters
-    ----------
-    world : World
-        Its messages.
-
-    Returns
-    -------
-    trace : Trace
-        One row a sample; what the session raises ends it.
-
-    """
+    """Feed a session as node and replay do."""
     session = ContactSession(changed(EstimationParameters(), dict(world.parameters)),
                              generate_reference=False)
     times: dict[int, float] = {}

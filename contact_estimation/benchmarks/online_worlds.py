@@ -230,11 +230,6 @@ def simulate(
     draw : numpy.random.Generator
         Of all noise.
 
-    Returns
-    -------
-    world : World
-        The same for the same arguments.
-
     """
     t = np.arange(round(seconds * FINE)) / FINE
     path = path_at(pieces, t)

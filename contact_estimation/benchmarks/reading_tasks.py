@@ -13,20 +13,7 @@ TOPICS = ('wrench', 'joint_states')
 
 
 def deserialise_with_rosbags(path: Path) -> int:
-    """
-    Deserialise every message of the two topics into an object.
-
-    Parameters
-    ----------
-    path : Path
-        The recording.
-
-    Returns
-    -------
-    count : int
-        Messages.
-
-    """
+    """Deserialise every message of the two topics into an object."""
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import get_typestore, Stores
 
@@ -40,20 +27,7 @@ def deserialise_with_rosbags(path: Path) -> int:
 
 
 def read_messages(path: Path) -> int:
-    """
-    Read the raw messages of the two topics with this package.
-
-    Parameters
-    ----------
-    path : Path
-        The recording.
-
-    Returns
-    -------
-    count : int
-        Messages.
-
-    """
+    """Read the raw messages of the two topics with this package."""
     from ..recordings import RecordingReader
 
     return sum(map(len, RecordingReader(path).batches(TOPICS)))

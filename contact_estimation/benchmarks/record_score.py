@@ -34,25 +34,7 @@ _MIXED = ('wall_motion', 'limits', 'robot')  # families whose members are differ
 
 
 def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
-    """
-    Return the effects that a truth file asks for.
-
-    Parameters
-    ----------
-    truth : mapping
-        `acceptable_names`, or `effects` with `name` and `also`, or `families`.
-
-    Returns
-    -------
-    names : set of str
-        Empty if nothing is missing from the simulation.
-
-    Raises
-    ------
-    RecordingError
-        If it has none of these keys.
-
-    """
+    """Return the effects that a truth file asks for."""
     if 'acceptable_names' in truth:
         return set(truth['acceptable_names'])
     if 'families' in truth:
@@ -72,16 +54,6 @@ def with_relatives(names: set[str]) -> set[str]:
     Real friction rests, slides and hystereses at once: pre-sliding and Bouc-Wen laws, and friction
     of the robot or of the contact, count as one kind here.
 
-    Parameters
-    ----------
-    names : set of str
-        Acceptable ones.
-
-    Returns
-    -------
-    names : set of str
-        With their relatives.
-
     """
     telling = names - _ALONE
     families = {EFFECTS[name].family for name in telling if name in EFFECTS}.difference(_MIXED)
@@ -90,22 +62,7 @@ def with_relatives(names: set[str]) -> set[str]:
 
 
 def class_of(truth: Mapping[str, Any], report: Mapping[str, Any] | None) -> str:
-    """
-    Return the class of a report.
-
-    Parameters
-    ----------
-    truth : mapping
-        Content of the truth file.
-    report : mapping or None
-        Content of the report of `diagnose`; None if it failed.
-
-    Returns
-    -------
-    name : str
-        One of CLASSES. Offsets beside other names do not count unless the truth asks for them.
-
-    """
+    """Return the class of a report."""
     asked = acceptable_names(truth)
     names = scored_names((report or {}).get('effects', []), with_relatives(asked),
                          set(NEUTRAL) - asked)

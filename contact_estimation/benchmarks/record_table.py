@@ -48,20 +48,7 @@ class Row(NamedTuple):
 
 
 def as_markdown(rows: Sequence[Row]) -> str:
-    """
-    Format the table and its totals.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        At least one.
-
-    Returns
-    -------
-    text : str
-        Markdown, without the last end of line.
-
-    """
+    """Format the table and its totals."""
     lines = [_line(_COLUMNS), '|' + '---|' * len(_COLUMNS), *(_line(_cells(row)) for row in rows)]
     return '\n'.join([*lines, '', *_totals(rows)])
 

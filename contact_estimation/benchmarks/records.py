@@ -81,20 +81,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Diagnose the records and print the table.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Diagnose the records and print the table."""
     if options.jobs < 1:
         raise ParameterRangeError(f'--jobs must be >= 1, got {options.jobs}')
     target = new_file(options.output) if options.output else None
@@ -106,25 +93,7 @@ def run(options: Any) -> int:
 
 
 def find_records(folder: Path) -> list[Record]:
-    """
-    Find the records of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        Of recordings, nominal models and truths.
-
-    Returns
-    -------
-    records : list of Record
-        By name, without recordings that others are tested on.
-
-    Raises
-    ------
-    RecordingError
-        If there are none, or a truth file is not a JSON object.
-
-    """
+    """Find the records of a folder."""
     found = []
     for recording in sorted(folder.glob('*.mcap')):
         nominal = recording.with_suffix('.nominal.yaml')
@@ -159,22 +128,7 @@ def _read_truth(path: Path) -> Mapping[str, Any]:
 
 
 def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
-    """
-    Diagnose records in parallel processes.
-
-    Parameters
-    ----------
-    records : sequence of Record
-        Of `find_records`.
-    jobs : int
-        Number of processes, >= 1.
-
-    Returns
-    -------
-    rows : list of Row
-        In their order.
-
-    """
+    """Diagnose records in parallel processes."""
     progress = Progress('benchmarks.records')
     with ThreadPoolExecutor(jobs) as pool:  # each thread only waits for its process
         pending = {pool.submit(_row, record): record.name for record in records}

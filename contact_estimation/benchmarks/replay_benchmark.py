@@ -40,12 +40,6 @@ def run_replay_benchmark(
     rounds : int
         Repetitions; medians are reported.
 
-    Returns
-    -------
-    results : dict
-        recording, hours and tasks, one entry each: seconds per recorded hour, CPU seconds per
-        recorded hour, peak memory, and the ratios to rosbags.
-
     """
     if recording is not None:
         return _measure(Path(recording), Path(recording).name, rounds)

@@ -24,15 +24,7 @@ _SETTLED_S = 8.6
 
 
 def sine_manoeuvre() -> list[Result]:
-    """
-    Simulate the sine experiment once; it ends at rest at its start position.
-
-    Returns
-    -------
-    results : list of Result
-        12 s at 500 Hz.
-
-    """
+    """Simulate the sine experiment once; it ends at rest at its start position."""
     return _simulate(experiment_named('sine'), experiment_named('sine').duration)
 
 
@@ -44,11 +36,6 @@ def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
     ----------
     seconds : float
         Duration of the contact; a multiple of 1 s has whole periods [s].
-
-    Returns
-    -------
-    approach, pressed : list of Result
-        Samples before the settled contact, and samples in contact.
 
     """
     experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)

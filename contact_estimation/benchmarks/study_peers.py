@@ -23,20 +23,7 @@ _MEMORY = 0.998  # forgetting factor of padasip: one second
 
 
 def filterpy_kalman(world: World) -> Trace:
-    """
-    Estimate by filterpy's Kalman filter for (K_e, B_e) with a random walk.
-
-    Parameters
-    ----------
-    world : World
-        Its samples are used as they are.
-
-    Returns
-    -------
-    trace : Trace
-        One estimate a sample.
-
-    """
+    """Estimate by filterpy's Kalman filter for (K_e, B_e) with a random walk."""
     from filterpy.kalman import KalmanFilter
 
     variance = _noise_variance(world)
@@ -52,25 +39,7 @@ def filterpy_kalman(world: World) -> Trace:
 
 
 def padasip_rls(world: World) -> Trace:
-    """
-    Estimate by padasip's recursive least squares with forgetting.
-
-    Parameters
-    ----------
-    world : World
-        Its samples are used as they are.
-
-    Returns
-    -------
-    trace : Trace
-        One estimate a sample; the deviations are those of the inverse of its information.
-
-    Raises
-    ------
-    MissingPackageError
-        If padasip is not installed.
-
-    """
+    """Estimate by padasip's recursive least squares with forgetting."""
     try:
         from padasip.filters import FilterRLS
     except ImportError as error:

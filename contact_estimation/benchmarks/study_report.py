@@ -24,20 +24,7 @@ _QUANTITIES = ('stiffness', 'K'), ('damping', 'B')
 
 
 def as_markdown(results: Results) -> str:
-    """
-    Format all tables.
-
-    Parameters
-    ----------
-    results : mapping
-        Scores by candidate and scenario.
-
-    Returns
-    -------
-    text : str
-        Markdown: errors, deviations, coverage and times to converge, one table each.
-
-    """
+    """Format all tables."""
     scenarios = list(next(iter(results.values())))
     steady = [name for name in scenarios if name in STEADY]
     abrupt = [name for name in scenarios if SCENARIOS[name].abrupt]
@@ -92,24 +79,7 @@ def _coverage_text(scores: Sequence[Score], quantity: str) -> str:
 
 
 def coverage(scores: Sequence[Score], quantity: str) -> tuple[float, float]:
-    """
-    Return how often the truth is within 2 standard deviations.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Of one candidate and scenario.
-    quantity : str
-        'stiffness' or 'damping'.
-
-    Returns
-    -------
-    share : float
-        Of the instants at which a deviation is given.
-    given : float
-        Share of these instants among all.
-
-    """
+    """Return how often the truth is within 2 standard deviations."""
     held = np.concatenate([getattr(score, f'{quantity}_held') for score in scores])
     index = [name for name, _ in _QUANTITIES].index(quantity)
     given = float(np.mean([score.given[index] for score in scores]))
@@ -129,24 +99,7 @@ def _median(times: Sequence[float]) -> float:
 
 @figure_style()
 def error_figure(results: Results, scenario: str, emphasised: str) -> Any:
-    """
-    Plot the errors of K and B against stiffness.
-
-    Parameters
-    ----------
-    results : mapping
-        Scores by candidate and scenario.
-    scenario : str
-        Whose worlds are plotted.
-    emphasised : str
-        Name of a candidate with a thick line.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        Medians over classes of stiffness, one line a candidate.
-
-    """
+    """Plot the errors of K and B against stiffness."""
     figure, axes = new_figure((8.0, 3.6), 1, 2, sharey=True)
     edges = np.geomspace(SOFTEST, STIFFEST, _BINS + 1)
     for place, (quantity, symbol) in zip(axes, _QUANTITIES):
@@ -167,22 +120,7 @@ def error_figure(results: Results, scenario: str, emphasised: str) -> Any:
 
 @figure_style()
 def coverage_figure(results: Results, scenarios: Sequence[str]) -> Any:
-    """
-    Plot how often the truth is within 2 standard deviations.
-
-    Parameters
-    ----------
-    results : mapping
-        Scores by candidate and scenario.
-    scenarios : sequence of str
-        One marker each.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        One row a candidate; the band is what is wanted.
-
-    """
+    """Plot how often the truth is within 2 standard deviations."""
     figure, axes = new_figure((8.0, 3.6), 1, 2, sharey=True)
     names = list(results)
     for place, (quantity, symbol) in zip(axes, _QUANTITIES):
@@ -202,22 +140,7 @@ def coverage_figure(results: Results, scenarios: Sequence[str]) -> Any:
 
 @figure_style()
 def convergence_figure(results: Results, scenarios: Sequence[str]) -> Any:
-    """
-    Plot the time to converge after a change of the wall.
-
-    Parameters
-    ----------
-    results : mapping
-        Scores by candidate and scenario.
-    scenarios : sequence of str
-        One panel each.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        One row a candidate, one dot a world.
-
-    """
+    """Plot the time to converge after a change of the wall."""
     figure, axes = new_figure((8.0, 3.4), 1, len(scenarios), sharey=True, squeeze=False)
     names = list(results)
     for place, scenario in zip(axes[0], scenarios):

@@ -68,16 +68,7 @@ class Score(NamedTuple):
 
 
 def candidates() -> dict[str, Callable[[World], Trace]]:
-    """
-    Return all that the study compares.
-
-    Returns
-    -------
-    candidates : dict
-        Name to a function from a world to its trace: each estimator with its defaults, and the
-        peers that are installed.
-
-    """
+    """Return all that the study compares."""
     variants: dict[str, Mapping[str, Any]] = {
         name: {'estimator': name} for name in ONLINE_ESTIMATORS}
     variants[NORMALISED] = {'estimator': 'indirect_adaptive',
@@ -100,22 +91,7 @@ def _traced_by(changes: Mapping[str, Any]) -> Callable[[World], Trace]:
 
 
 def scores(candidate: Callable[[World], Trace], worlds: Sequence[World]) -> list[Score]:
-    """
-    Score a candidate on worlds.
-
-    Parameters
-    ----------
-    candidate : callable
-        Of `candidates`.
-    worlds : sequence of World
-        All of one scenario.
-
-    Returns
-    -------
-    scores : list of Score
-        One a world; empty where the package of a peer is missing.
-
-    """
+    """Score a candidate on worlds."""
     found = []
     for world in worlds:
         begin = time.process_time()
@@ -140,11 +116,6 @@ def score(world: World, trace: Trace, us: float = nan) -> Score:
         Estimates and deviations at its samples.
     us : float
         Processor time a sample [us].
-
-    Returns
-    -------
-    score : Score
-        Its errors, coverage and time to converge.
 
     """
     K, B, K_std, B_std = trace

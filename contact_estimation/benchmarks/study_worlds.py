@@ -195,24 +195,7 @@ class Course(NamedTuple):
 
 
 def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:
-    """
-    Draw and simulate one world.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        One of SCENARIOS.
-    index, count : int
-        Which of how many: the stiffness is stratified over its logarithm.
-    seed : int
-        Of all draws.
-
-    Returns
-    -------
-    world : World
-        The same for the same arguments.
-
-    """
+    """Draw and simulate one world."""
     key = list(SCENARIOS).index(scenario.name) if scenario.name in SCENARIOS else 99
     draw = np.random.default_rng([seed, key, index])
     excited = index % 2 == 0 if scenario.excited is None else scenario.excited

@@ -9,17 +9,7 @@ from typing import Any, Mapping, Sequence
 
 
 def print_table(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    """
-    Print rows that share their columns.
-
-    Parameters
-    ----------
-    title : str
-        Heading.
-    rows : sequence of mapping
-        Column name to number, text or None; the first row defines the columns.
-
-    """
+    """Print rows that share their columns."""
     names = list(rows[0])
     lines = [names, *([_text(row[name]) for name in names] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*lines)]

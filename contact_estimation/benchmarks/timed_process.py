@@ -45,21 +45,6 @@ def run_timed(command: Sequence[str]) -> Cost:
     The peak memory is VmHWM, since ru_maxrss of wait4 includes the memory of the forking
     process.
 
-    Parameters
-    ----------
-    command : sequence of str
-        Program and arguments.
-
-    Returns
-    -------
-    cost : Cost
-        Time to within 20 ms; memory up to at most 20 ms before the end.
-
-    Raises
-    ------
-    ContactEstimationError
-        If the command fails.
-
     """
     with TemporaryFile('w+') as output:
         begin = time.perf_counter()

@@ -36,12 +36,6 @@ def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
     rounds : int
         Pairs of runs.
 
-    Returns
-    -------
-    results : dict
-        `runs`, one entry per run; `ratio`, of the estimator's CPU load with the view to that
-        without, a median over the pairs.
-
     """
     runs: list[dict[str, Any]] = []
     for number in range(rounds):

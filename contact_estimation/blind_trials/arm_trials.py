@@ -175,26 +175,7 @@ def run_arm_trials(
     folder: Path, count: int, seed: int, progress: Callable[[float, str], None],
     only_write: bool = False,
 ) -> list[dict[str, Any]]:
-    """
-    Draw worlds, diagnose them blind, and score; what is in the folder already is used again.
-
-    Parameters
-    ----------
-    folder : Path
-        Gets `handed_over` (recordings and descriptions), `sealed` (truths) and `reports`.
-    count, seed : int
-        Number of worlds, and of the draws.
-    progress : callable
-        Called with the share that is done, and a description.
-    only_write : bool
-        Whether nothing is diagnosed.
-
-    Returns
-    -------
-    outcomes : list of dict
-        World by world: kind, place, outcome ('right', 'wrong', 'silent', 'accused'), named.
-
-    """
+    """Draw worlds, diagnose them blind, and score; what is in the folder already is used again."""
     given, sealed, reports = (folder / name for name in ('handed_over', 'sealed', 'reports'))
     for one in (given, sealed, reports):
         one.mkdir(parents=True, exist_ok=True)
@@ -220,22 +201,7 @@ def run_arm_trials(
 
 
 def scored(truth: Mapping[str, Any], report: Mapping[str, Any], world: str) -> dict[str, Any]:
-    """
-    Score a report: the first name beyond friction, which every arm has, by family and place.
-
-    Parameters
-    ----------
-    truth, report : mapping
-        Of `run_arm_trials`, and of `diagnosis.arm.text.as_dict`.
-    world : str
-        Its name.
-
-    Returns
-    -------
-    outcome : dict
-        As of `run_arm_trials`.
-
-    """
+    """Score a report: the first name beyond friction, which every arm has, by family and place."""
     beyond = [one for one in report['effects'] if one['family'] != 'friction']
     friction = [one for one in report['effects'] if one['family'] == 'friction']
     wanted = truth['effects'][0] if truth['effects'] else None

@@ -86,21 +86,7 @@ class Calibration:
 
 
 def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> list[JudgedTrial]:
-    """
-    Read truths and comparisons of a study.
-
-    Parameters
-    ----------
-    answers : iterable of tuple of mapping
-        Truth and answer of each trial; those without a comparison, such as refusals, are left
-        out.
-
-    Returns
-    -------
-    trials : list of JudgedTrial
-        In order.
-
-    """
+    """Read truths and comparisons of a study."""
     found = []
     for truth, answer in answers:
         if answer.get('comparison') is None:
@@ -116,13 +102,6 @@ def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> li
 def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
     """
     Return the mean logarithmic score of the truth.
-
-    Parameters
-    ----------
-    trials : sequence of JudgedTrial
-        With their truth.
-    constants : Constants
-        Prior and error model.
 
     Returns
     -------
@@ -145,25 +124,7 @@ def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
 
 
 def calibrate(trials: Sequence[JudgedTrial]) -> Calibration:
-    """
-    Fit the constants of the evidence, one after the other.
-
-    Parameters
-    ----------
-    trials : sequence of JudgedTrial
-        At least one.
-
-    Returns
-    -------
-    calibration : Calibration
-        Constants of least loss, and how much each matters.
-
-    Raises
-    ------
-    ParameterRangeError
-        If there is no trial.
-
-    """
+    """Fit the constants of the evidence, one after the other."""
     if not trials:
         raise ParameterRangeError(
             '--calibrate needs trials with a comparison, got none; delete the subfolder reports '

@@ -54,24 +54,7 @@ class Concealed(NamedTuple):
 
 
 def degree(in_motion: bool, world: RandomWorld, run: Run, without: Run) -> float:
-    """
-    Compute the degree of concealment.
-
-    Parameters
-    ----------
-    in_motion : bool
-        Whether the motion of the robot tells the effect.
-    world : RandomWorld
-        World without the effect.
-    run, without : Run
-        Simulations with and without the effect, at the sample rate of the recording.
-
-    Returns
-    -------
-    r : float
-        Expected value over the noise; 1 without an effect.
-
-    """
+    """Compute the degree of concealment."""
     noise = _impedance_noise(world) if in_motion else world.sensors.force_std
     return rms_ratio(noise, residual(in_motion, world, run), residual(in_motion, world, without))
 
@@ -87,11 +70,6 @@ def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
     with_effect, without : ndarray, shape (N,)
         Residuals [N]; NaN does not count.
 
-    Returns
-    -------
-    ratio : float
-        1 if both are equal or far below the noise.
-
     """
     rms, rms_without = (float(np.sqrt(np.nanmean(each**2))) for each in (with_effect, without))
     return hypot(noise, rms) / hypot(noise, rms_without)
@@ -100,15 +78,6 @@ def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
 def residual(in_motion: bool, world: RandomWorld, run: Run) -> Array:
     """
     Compute the residual in which an effect shows.
-
-    Parameters
-    ----------
-    in_motion : bool
-        Whether the motion of the robot tells the effect.
-    world : RandomWorld
-        World without the effect.
-    run : Run
-        Simulation with or without the effect.
 
     Returns
     -------
@@ -191,24 +160,6 @@ def conceal(
 
     The residual grows about in proportion to the strength: a secant of the logarithms converges
     in a few simulations.
-
-    Parameters
-    ----------
-    degree_of : callable
-        Degree r as a function of the strength; one simulation each.
-    requested : float
-        Requested degree r, > 1.
-    first : float
-        Strength to begin with.
-    simulations : int
-        Most strengths to try.
-    converged : float
-        Relative deviation that ends the search.
-
-    Returns
-    -------
-    concealed : Concealed
-        Closest strength found.
 
     """
     goal, strength = _excess(requested), first

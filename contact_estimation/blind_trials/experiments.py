@@ -72,15 +72,7 @@ class Faded(Excitation):
 
 
 class Builder:
-    """
-    Build an experiment segment by segment, from rest at the rest position.
-
-    Parameters
-    ----------
-    stage : Stage
-        Geometry.
-
-    """
+    """Build an experiment segment by segment, from rest at the rest position."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
@@ -161,20 +153,7 @@ class Builder:
         self.go(self._stage.rest, duration)
 
     def experiment(self, name: str) -> Experiment:
-        """
-        Return the experiment built so far.
-
-        Parameters
-        ----------
-        name : str
-            Name of the experiment.
-
-        Returns
-        -------
-        experiment : Experiment
-            All segments in order.
-
-        """
+        """Return the experiment built so far."""
         return Experiment(name, self._stage.rest, tuple(self._segments))
 
 
@@ -242,22 +221,7 @@ _KINDS: Mapping[str, tuple[float, Callable[[Stage, Generator], Experiment]]] = {
 
 
 def draw_experiment(stage: Stage, rng: Generator) -> Experiment:
-    """
-    Draw an experiment.
-
-    Parameters
-    ----------
-    stage : Stage
-        Geometry.
-    rng : numpy.random.Generator
-        Random generator.
-
-    Returns
-    -------
-    experiment : Experiment
-        One to four touches, 8 to 25 s long.
-
-    """
+    """Draw an experiment."""
     weights = [weight for weight, _ in _KINDS.values()]
     kind = str(rng.choice(list(_KINDS), p=weights))
     return _KINDS[kind][1](stage, rng)

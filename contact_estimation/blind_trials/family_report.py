@@ -15,39 +15,13 @@ _OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
 
 
 def outcomes(scores: Sequence[FamilyScore]) -> dict[str, int]:
-    """
-    Count outcomes.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study or of a part of it.
-
-    Returns
-    -------
-    counts : dict of str to int
-        `trials`, the outcomes, and `surplus`.
-
-    """
+    """Count outcomes."""
     counts = {name: sum(s.outcome == name for s in scores) for name in _OUTCOMES}
     return {'trials': len(scores), **counts, 'surplus': sum(s.surplus for s in scores)}
 
 
 def family_groups(scores: Sequence[FamilyScore]) -> dict[str, dict[str, list[FamilyScore]]]:
-    """
-    Group scores by law, by acceptable family and by kind of experiment.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
-
-    Returns
-    -------
-    groups : dict of str to dict of str to list of FamilyScore
-        Criterion to group to its scores; a law of two families counts in both.
-
-    """
+    """Group scores by law, by acceptable family and by kind of experiment."""
     split: dict[str, dict[str, list[FamilyScore]]] = {'law': {}, 'family': {}, 'experiment': {}}
     for score in sorted(scores, key=lambda s: (s.kind, s.law, s.concealed)):
         split['law'].setdefault(score.law or 'clean', []).append(score)
@@ -58,20 +32,7 @@ def family_groups(scores: Sequence[FamilyScore]) -> dict[str, dict[str, list[Fam
 
 
 def family_dict(scores: Sequence[FamilyScore]) -> dict[str, Any]:
-    """
-    Return the trials on rigs as JSON content.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
-
-    Returns
-    -------
-    study : dict
-        Outcomes by kind of world and by group, reliability table, scores.
-
-    """
+    """Return the trials on rigs as JSON content."""
     return {
         'kinds': {kind: outcomes(part) for kind, part in _by_kind(scores).items()},
         'groups': {criterion: {label: outcomes(part) for label, part in parts.items()}
@@ -89,22 +50,7 @@ def _by_kind(scores: Sequence[FamilyScore]) -> Mapping[str, list[FamilyScore]]:
 
 
 def family_text(scores: Sequence[FamilyScore], folder: str) -> str:
-    """
-    Format the trials on rigs as tables.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study, at least one.
-    folder : str
-        Folder of the recordings.
-
-    Returns
-    -------
-    text : str
-        Summary by kind of world, outcomes by group, reliability table, list of misses.
-
-    """
+    """Format the trials on rigs as tables."""
     lines = [f'{len(scores)} trials on rigs, scored by family', '', *_summary(scores)]
     for criterion, parts in family_groups(scores).items():
         columns = ('trials', *_OUTCOMES, 'surplus')

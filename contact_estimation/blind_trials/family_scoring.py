@@ -101,24 +101,7 @@ class FamilyScore:
 
 
 def family_score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> FamilyScore:
-    """
-    Score a trial on a rig.
-
-    Parameters
-    ----------
-    trial : str
-        Name of the trial.
-    truth : mapping
-        Content of the truth file.
-    answer : mapping
-        Content of the report file.
-
-    Returns
-    -------
-    score : FamilyScore
-        The score.
-
-    """
+    """Score a trial on a rig."""
     report: Mapping[str, Any] = answer['report'] or {}
     families, unknown = list(truth['families']), truth['unknown'] or {}
     acceptable = of_families(families)
@@ -137,44 +120,14 @@ def family_score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]
 
 
 def of_families(families: Sequence[str]) -> set[str]:
-    """
-    Return the effects of families.
-
-    Parameters
-    ----------
-    families : sequence of str
-        Such as 'friction'.
-
-    Returns
-    -------
-    names : set of str
-        Keys of EFFECTS.
-
-    """
+    """Return the effects of families."""
     return {name for name, cls in EFFECTS.items() if cls.family in families}
 
 
 def scored_names(
     effects: Sequence[Mapping[str, Any]], acceptable: AbstractSet[str], neutral: AbstractSet[str]
 ) -> list[NamedEffect]:
-    """
-    Score the names of a report.
-
-    Parameters
-    ----------
-    effects : sequence of mapping
-        `effects` of the report.
-    acceptable : set of str
-        Names that are right.
-    neutral : set of str
-        Names that do not count.
-
-    Returns
-    -------
-    names : list of NamedEffect
-        In their order, without neutral ones.
-
-    """
+    """Score the names of a report."""
     return [
         NamedEffect(effect['name'], float(effect['probability']),
                     bool(acceptable & {effect['name'], *effect['indistinguishable_from']}))
@@ -183,22 +136,7 @@ def scored_names(
 
 
 def outcome_of(is_report: bool, names: Sequence[NamedEffect]) -> str:
-    """
-    Return the outcome of a trial.
-
-    Parameters
-    ----------
-    is_report : bool
-        Whether the diagnosis made a report.
-    names : sequence of NamedEffect
-        Of `scored_names`.
-
-    Returns
-    -------
-    outcome : str
-        RIGHT, WRONG, SILENT or FAILED.
-
-    """
+    """Return the outcome of a trial."""
     if not is_report:
         return FAILED
     if not names:
@@ -214,11 +152,6 @@ def overlap_of(reported: Sequence[Sequence[float]], true: Sequence[Sequence[floa
     ----------
     reported, true : sequence of (float, float)
         Intervals [s].
-
-    Returns
-    -------
-    share : float
-        0 (disjoint) to 1 (equal).
 
     """
     both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)

@@ -28,11 +28,6 @@ def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
     force_floor : float
         RMS of the recorded force noise [N].
 
-    Returns
-    -------
-    truth : dict
-        Effects, verdict, wall, degree of concealment and sensor model, ready for JSON.
-
     """
     world, effect = trial.world, EFFECTS.get(trial.effect)
     effects = [] if effect is None else [

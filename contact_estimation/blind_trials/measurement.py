@@ -66,24 +66,7 @@ class Measurement(NamedTuple):
 
 
 def measure(run: Run, sensors: SensorModel, rng: Generator) -> Measurement:
-    """
-    Apply the sensor model to true signals.
-
-    Parameters
-    ----------
-    run : Run
-        True signals, at least as fast as the sensors.
-    sensors : SensorModel
-        Sensor model.
-    rng : numpy.random.Generator
-        Random generator of noise, jitter and dropped samples.
-
-    Returns
-    -------
-    measurement : Measurement
-        Three signals, each with its own stamps and dropped samples.
-
-    """
+    """Apply the sensor model to true signals."""
     period = 1.0 / sensors.rate
     # The delay of the filter reaches beyond the last sample: keep two periods clear.
     t: Array = period * np.arange(int((run.t[-1] - 2.0 * period) / period), dtype=float)

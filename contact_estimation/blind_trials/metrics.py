@@ -89,20 +89,7 @@ _DEFINITIONS = (
 
 
 def metrics(scores: Sequence[Score]) -> list[Metric]:
-    """
-    Compute all metrics.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of a study or of a part of it.
-
-    Returns
-    -------
-    metrics : list of Metric
-        One per definition, in fixed order.
-
-    """
+    """Compute all metrics."""
     result = []
     for definition in _DEFINITIONS:
         values = [float(v) for s in scores for v in definition.values(s) if v is not None]
@@ -113,20 +100,7 @@ def metrics(scores: Sequence[Score]) -> list[Metric]:
 
 
 def confusion(scores: Sequence[Score]) -> dict[str, dict[str, int]]:
-    """
-    Count the answers to each true effect.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of a study.
-
-    Returns
-    -------
-    counts : dict of str to dict of str to int
-        True effect ('nothing' in clean worlds) to `Score.answer` to number of trials.
-
-    """
+    """Count the answers to each true effect."""
     counts: dict[str, dict[str, int]] = {}
     for score in scores:
         row = counts.setdefault(score.effect or 'nothing', {})
@@ -135,20 +109,7 @@ def confusion(scores: Sequence[Score]) -> dict[str, dict[str, int]]:
 
 
 def groups(scores: Sequence[Score]) -> dict[str, dict[str, list[Score]]]:
-    """
-    Group scores by effect, degree of concealment and features of the recording.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of a study.
-
-    Returns
-    -------
-    groups : dict of str to dict of str to list of Score
-        Criterion to group to its scores.
-
-    """
+    """Group scores by effect, degree of concealment and features of the recording."""
     split: dict[str, dict[str, list[Score]]] = {'effect': {}, 'concealed': {}}
     for score in sorted(scores, key=lambda s: (s.effect, s.concealed)):
         split['effect'].setdefault(score.effect or 'nothing missing', []).append(score)

@@ -61,11 +61,6 @@ def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) ->
     rng : numpy.random.Generator
         Random generator.
 
-    Returns
-    -------
-    nuisances : Nuisances
-        Numbers rounded to four digits.
-
     """
     drawn = (
         force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),

@@ -42,20 +42,7 @@ class Reliability(NamedTuple):
 
 
 def reliability(scores: Sequence[FamilyScore]) -> list[Reliability]:
-    """
-    Compare reported probabilities with the share of right names.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study. All names count, those of clean and unknown worlds as wrong.
-
-    Returns
-    -------
-    table : list of Reliability
-        One row for each bin.
-
-    """
+    """Compare reported probabilities with the share of right names."""
     given = _given(scores)
     table = []
     for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
@@ -72,20 +59,7 @@ def _given(scores: Sequence[FamilyScore]) -> list[tuple[float, bool]]:
 
 
 def calibration_text(scores: Sequence[FamilyScore]) -> str:
-    """
-    Format the reliability table.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
-
-    Returns
-    -------
-    text : str
-        A line for each bin.
-
-    """
+    """Format the reliability table."""
     lines = ['probability given       names     mean    right']
     for row in reliability(scores):
         shown = ['       -' if value is None else f'{value:>8.2f}'
@@ -96,22 +70,7 @@ def calibration_text(scores: Sequence[FamilyScore]) -> str:
 
 @figure_style()
 def plot_reliability(scores: Sequence[FamilyScore], path: Path) -> Path:
-    """
-    Plot how often names of a reported probability are right.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
-    path : Path
-        PNG file to write.
-
-    Returns
-    -------
-    path : Path
-        The same.
-
-    """
+    """Plot how often names of a reported probability are right."""
     figure, axis = require_matplotlib().subplots(figsize=(4.2, 4.0))
     axis.plot([0.0, 1.0], [0.0, 1.0], color=MUTED, lw=1.0)
     axis.fill_between([0.0, 1.0], [-0.1, 0.9], [0.1, 1.1], color=GREY, alpha=0.12, lw=0.0,

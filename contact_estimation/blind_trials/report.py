@@ -27,22 +27,7 @@ _COLUMNS = ('trials', 'found', 'alone', 'extra', 'alarms', 'param.', 'force', 'f
 
 
 def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
-    """
-    Return a study as JSON content.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of the study.
-    seed : int
-        Seed of the study.
-
-    Returns
-    -------
-    study : dict
-        Counts, metrics over all trials and over groups, confusion matrix, scores.
-
-    """
+    """Return a study as JSON content."""
     return {
         'count': sum(bool(s.effect) for s in scores),
         'clean': sum(not s.effect for s in scores),
@@ -64,22 +49,7 @@ def _renamed(values: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, An
 
 
 def as_text(scores: Sequence[Score], folder: str) -> str:
-    """
-    Format a study as a table.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of the study.
-    folder : str
-        Folder of the recordings.
-
-    Returns
-    -------
-    text : str
-        Metrics with their requirements, metrics by group, list of misses.
-
-    """
+    """Format a study as a table."""
     clean = sum(not s.effect for s in scores)
     lines = [f'{len(scores)} trials, {clean} of them clean', '']
     lines += [_metric_line(metric) for metric in metrics(scores) if metric.samples]
@@ -120,22 +90,7 @@ def _number(value: float | None) -> str:
 
 
 def plot_confusion(scores: Sequence[Score], path: Path) -> Path:
-    """
-    Plot the confusion matrix.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Scores of a study.
-    path : Path
-        PNG file to write.
-
-    Returns
-    -------
-    path : Path
-        The same.
-
-    """
+    """Plot the confusion matrix."""
     pyplot = require_matplotlib()
     counts = confusion(scores)
     rows, columns = [*EFFECTS, 'nothing'], [*EFFECTS, 'nothing', 'unexplained', 'failed']

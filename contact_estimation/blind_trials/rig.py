@@ -82,11 +82,6 @@ def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) 
     rng : numpy.random.Generator
         Random generator of the coloured noise.
 
-    Returns
-    -------
-    run : Run
-        From 0 to the end of the experiment; `sensed` includes the nuisances of the sensor.
-
     """
     t, planned = planned_motion(rig.experiment, rate)
     if rig.robot is None:

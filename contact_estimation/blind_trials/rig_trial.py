@@ -71,23 +71,7 @@ class RigTrial:
 
 
 def draw_rig_trial(law: str, rng: Generator) -> RigTrial:
-    """
-    Draw a trial on a rig.
-
-    Parameters
-    ----------
-    law : str
-        Key of ALL_LAWS, or '' for a clean world.
-    rng : numpy.random.Generator
-        Random generator.
-
-    Returns
-    -------
-    trial : RigTrial
-        The degree is drawn between MIN_DEGREE and MAX_DEGREE; of 12 worlds the first that
-        permits it about, else the nearest.
-
-    """
+    """Draw a trial on a rig."""
     stages = ALL_LAWS[law].stages if law else tuple(STAGES)
     requested = exp(rng.uniform(log(MIN_DEGREE), log(MAX_DEGREE)))
     nearest: tuple[float, RigTrial] | None = None
@@ -144,13 +128,6 @@ def integration_rate(rig: Rig, final: bool = True) -> float:
     """
     Return the rate of integration steps, a multiple of the sample rate.
 
-    Parameters
-    ----------
-    rig : Rig
-        The rig.
-    final : bool
-        Whether for the recording, else for a search.
-
     Returns
     -------
     rate : float
@@ -164,22 +141,7 @@ def integration_rate(rig: Rig, final: bool = True) -> float:
 
 
 def magnitudes_of(rig: Rig, run: Run) -> Magnitudes:
-    """
-    Compute the orders of magnitude of a rig.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig.
-    run : Run
-        Its simulation without a law.
-
-    Returns
-    -------
-    magnitudes : Magnitudes
-        From which a law draws its parameters.
-
-    """
+    """Compute the orders of magnitude of a rig."""
     pressing = np.abs(run.force) > 0.0
     control, mass = 0.0, 0.0
     if rig.robot is not None:
@@ -214,24 +176,7 @@ def _is_usable(rig: Rig, run: Run) -> bool:
 
 
 def degree(port: str, rig: Rig, run: Run, without: Run) -> float:
-    """
-    Compute how far a law stands out.
-
-    Parameters
-    ----------
-    port : str
-        Port of the law.
-    rig : Rig
-        World without the law.
-    run, without : Run
-        Simulations with and without the law.
-
-    Returns
-    -------
-    degree : float
-        RMS residual over that without the law, white noise included in both.
-
-    """
+    """Compute how far a law stands out."""
     noise = rig.sensors.force_std
     if port == 'robot' and rig.robot is not None:
         noise = hypot(noise, _motion_noise(rig, rig.robot))
@@ -241,15 +186,6 @@ def degree(port: str, rig: Rig, run: Run, without: Run) -> float:
 def rig_residual(port: str, rig: Rig, run: Run) -> Array:
     """
     Compute the residual in which a law at a port shows.
-
-    Parameters
-    ----------
-    port : str
-        Port of the law.
-    rig : Rig
-        World without the law.
-    run : Run
-        Simulation with or without the law.
 
     Returns
     -------
@@ -296,11 +232,6 @@ def rig_truth(trial: RigTrial, run: Run, force_floor: float) -> dict[str, Any]:
         Its final simulation.
     force_floor : float
         RMS of the recorded white noise [N].
-
-    Returns
-    -------
-    truth : dict
-        Like `ground_truth`, with `law`, `families` and `nuisances` besides.
 
     """
     rig = trial.rig

@@ -24,22 +24,7 @@ _FASTEST = 0.02  # highest frequency of a specimen's motion, of the sample rate
 
 
 def draw_rig(stage: str, rng: Generator) -> Rig:
-    """
-    Draw a rig.
-
-    Parameters
-    ----------
-    stage : str
-        Key of STAGES.
-    rng : numpy.random.Generator
-        Random generator.
-
-    Returns
-    -------
-    rig : Rig
-        World with nuisances, still without a law.
-
-    """
+    """Draw a rig."""
     return STAGES[stage](rng)
 
 

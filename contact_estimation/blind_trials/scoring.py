@@ -100,24 +100,7 @@ class Score:
 
 
 def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Score:
-    """
-    Score a trial.
-
-    Parameters
-    ----------
-    trial : str
-        Name of the trial.
-    truth : mapping
-        Content of the truth file.
-    answer : mapping
-        Content of the report file. Without a report nothing counts as named.
-
-    Returns
-    -------
-    score : Score
-        The score.
-
-    """
+    """Score a trial."""
     report: Mapping[str, Any] = answer['report'] or {}
     true = truth['effects'][0] if truth['effects'] else None
     effects = report.get('effects', [])

@@ -67,11 +67,6 @@ def simulate(
     integration_rate : float
         Minimum integration rate [Hz].
 
-    Returns
-    -------
-    run : Run
-        From 0 to the end of the experiment.
-
     """
     experiment = world.experiment
     parameters = build(PlantParameters, {
@@ -94,22 +89,7 @@ def simulate(
 
 
 def scales_of(world: RandomWorld, run: Run) -> Scales:
-    """
-    Compute the characteristic magnitudes of a world.
-
-    Parameters
-    ----------
-    world : RandomWorld
-        World without effects.
-    run : Run
-        Its simulation.
-
-    Returns
-    -------
-    scales : Scales
-        The same that the diagnosis passes to an effect.
-
-    """
+    """Compute the characteristic magnitudes of a world."""
     robot, touching = world.robot, run.force < 0.0
     control = (robot.mass * run.a_r - robot.damping * (run.v - run.v_r)
                - robot.stiffness * (run.x - run.x_r))

@@ -74,24 +74,7 @@ class Scores(NamedTuple):
 def plan_study(
     count: int, clean: int, seed: int, unknown: int = 0, foreign: int = 0
 ) -> list[PlannedTrial]:
-    """
-    Plan a study.
-
-    Parameters
-    ----------
-    count, clean, unknown, foreign : int
-        Numbers of trials with an effect of the library, without an effect, with a law that no
-        effect describes, and with a law of the literature that an effect describes only about
-        (every ninth of the latter has none).
-    seed : int
-        Seed of the study.
-
-    Returns
-    -------
-    trials : list of PlannedTrial
-        A larger study with the same seed contains the trials of a smaller one.
-
-    """
+    """Plan a study."""
     kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN_LAWS),
              _plan_foreign(foreign, seed))
     return [PlannedTrial(_name((seed, kind, k)), effect, (seed, kind, k), kind in _ON_RIG)
@@ -112,28 +95,7 @@ def run_study(
     folder: Path, trials: Sequence[PlannedTrial], workers: Workers,
     progress: Callable[[float, str], None], only_write: bool = False,
 ) -> Scores:
-    """
-    Run the remaining trials of a study and score all.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the study; workers on other machines must see it under the same absolute path.
-    trials : sequence of PlannedTrial
-        The whole plan.
-    workers : Workers
-        What draws and diagnoses the trials.
-    progress : callable
-        Called with the completed fraction and the name of the trial just finished.
-    only_write : bool
-        Whether to write recordings, nominal models and truths without diagnosing.
-
-    Returns
-    -------
-    scores : Scores
-        In the order of the plan, whatever the workers; empty if nothing was diagnosed.
-
-    """
+    """Run the remaining trials of a study and score all."""
     calls = {trial.name: Call(run_trial, (folder.absolute(), trial, only_write))
              for trial in trials}
     for done, (name, answer) in enumerate(workers.answers(calls), 1):
@@ -147,19 +109,7 @@ def run_study(
 
 
 def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> None:
-    """
-    Run the missing steps of a trial.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the study.
-    planned : PlannedTrial
-        The trial.
-    only_write : bool
-        Whether to stop before the diagnosis.
-
-    """
+    """Run the missing steps of a trial."""
     files = TrialFiles.of(folder, planned.name)
     if not files.truth.exists():
         rng = np.random.default_rng(planned.seed)
@@ -181,22 +131,7 @@ def _family_score(folder: Path, planned: PlannedTrial) -> FamilyScore:
 
 
 def judged_trials(folder: Path, trials: Sequence[PlannedTrial]) -> list[JudgedTrial]:
-    """
-    Return the trials of a study for a calibration.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the study.
-    trials : sequence of PlannedTrial
-        That were run.
-
-    Returns
-    -------
-    trials : list of JudgedTrial
-        Those with a comparison.
-
-    """
+    """Return the trials of a study for a calibration."""
     return judged(_truth_and_answer(folder, trial) for trial in trials)
 
 
@@ -206,16 +141,7 @@ def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
 
 
 def diagnose_blind(files: TrialFiles) -> None:
-    """
-    Diagnose a trial in a process of its own, given recording and nominal model only.
-
-    Parameters
-    ----------
-    files : TrialFiles
-        Files of the trial. The report file is written: `report` and `comparison` (null after a
-        failure), `error` and `seconds`.
-
-    """
+    """Diagnose a trial in a process of its own, given recording and nominal model only."""
     with tempfile.TemporaryDirectory() as folder:
         output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
         begin = time.monotonic()
@@ -229,22 +155,7 @@ def diagnose_blind(files: TrialFiles) -> None:
 
 
 def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
-    """
-    Build the command line of a diagnosis.
-
-    Parameters
-    ----------
-    recording, nominal : Path
-        Input of the diagnosis.
-    output : Path
-        JSON report to write.
-
-    Returns
-    -------
-    command : list of str
-        Runs `diagnose` of this installation, independent of PATH.
-
-    """
+    """Build the command line of a diagnosis."""
     return [sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
             '--nominal', str(nominal), '--json', str(output)]
 

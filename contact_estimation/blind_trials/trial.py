@@ -75,23 +75,7 @@ class Trial:
 
 
 def draw_trial(effect: str, rng: Generator) -> Trial:
-    """
-    Draw a trial.
-
-    Parameters
-    ----------
-    effect : str
-        Key of EFFECTS, or '' for a clean world.
-    rng : numpy.random.Generator
-        Random generator.
-
-    Returns
-    -------
-    trial : Trial
-        With the drawn degree of concealment where one of 25 worlds permits it, else the nearest;
-        an effect that cannot be concealed has a random strength.
-
-    """
+    """Draw a trial."""
     requested = exp(rng.uniform(log(MIN_DEGREE), log(MAX_DEGREE))) if effect else 1.0
     nearest: tuple[float, Trial] | None = None
     not_concealable = 0
@@ -145,24 +129,7 @@ def _is_usable(run: Run) -> bool:
 
 
 def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL) -> list[str]:
-    """
-    Distribute trials evenly over effects.
-
-    Parameters
-    ----------
-    count : int
-        Number of trials.
-    seed : int
-        Seed of the study.
-    names : iterable of str
-        Effects to choose from.
-
-    Returns
-    -------
-    effects : list of str, length `count`
-        Successive random permutations of `names`; a longer plan begins as a shorter one.
-
-    """
+    """Distribute trials evenly over effects."""
     effects: list[str] = []
     while len(effects) < count:
         rng = np.random.default_rng([seed, len(effects)])
@@ -171,24 +138,7 @@ def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL
 
 
 def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallParameters:
-    """
-    Return the spring-damper with which a modeller unaware of the effect would replace the wall.
-
-    Parameters
-    ----------
-    effect : str
-        Key of EFFECTS.
-    values : mapping
-        Parameters of the effect.
-    world : RandomWorld
-        World without the effect.
-
-    Returns
-    -------
-    wall : WallParameters
-        The true wall, with the damping equivalent to an effect that replaces B_e.
-
-    """
+    """Return the spring-damper by which a modeller unaware of the effect replaces the wall."""
     wall = world.wall
     damping = EFFECTS[effect].equivalent_damping(values, wall.damping, world.depth)
     return WallParameters(

@@ -50,41 +50,14 @@ class TrialFiles(NamedTuple):
 
     @classmethod
     def of(cls, folder: Path, name: str) -> 'TrialFiles':
-        """
-        Return the paths of a trial.
-
-        Parameters
-        ----------
-        folder : Path
-            Folder of the study.
-        name : str
-            Name of the trial.
-
-        Returns
-        -------
-        files : TrialFiles
-            Paths below `folder`.
-
-        """
+        """Return the paths of a trial."""
         inputs = folder / 'handed_over'
         return cls(inputs / f'{name}.mcap', inputs / f'{name}.nominal.yaml',
                    folder / 'reports' / f'{name}.json', folder / 'sealed' / f'{name}.truth.json')
 
 
 def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
-    """
-    Simulate a trial and write recording, nominal model and, last, the ground truth.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    files : TrialFiles
-        Paths to write; a truth file marks a complete trial.
-    rng : numpy.random.Generator
-        Random generator of the sensors.
-
-    """
+    """Simulate a trial and write recording, nominal model and, last, the ground truth."""
     run = simulate(trial.world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
     measurement = measure(run, trial.world.sensors, rng)
     with_velocity = trial.world.sensors.velocity_noise is not None
@@ -98,15 +71,6 @@ def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
     Simulate a trial on a rig and write recording, nominal model and, last, the ground truth.
 
     An attached specimen has no robot, and its recording no reference.
-
-    Parameters
-    ----------
-    trial : RigTrial
-        The trial.
-    files : TrialFiles
-        Paths to write; a truth file marks a complete trial.
-    rng : numpy.random.Generator
-        Random generator of the rig and its sensors.
 
     """
     rig = trial.rig
@@ -129,17 +93,7 @@ def _write_inputs(
 
 
 def write_json(path: Path, content: Any) -> None:
-    """
-    Write a JSON file atomically.
-
-    Parameters
-    ----------
-    path : Path
-        File to write; its folder is created.
-    content : object
-        JSON content.
-
-    """
+    """Write a JSON file atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix('.part')
     part.write_text(json.dumps(content, indent=1) + '\n')
@@ -147,22 +101,7 @@ def write_json(path: Path, content: Any) -> None:
 
 
 def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
-    """
-    Write the nominal model: the wall as modelled, the true robot.
-
-    Parameters
-    ----------
-    wall : WallParameters
-        Wall of the nominal model.
-    robot : RobotParameters or None
-        The robot; None: an attached wall alone.
-
-    Returns
-    -------
-    text : str
-        Content of a model file.
-
-    """
+    """Write the nominal model: the wall as modelled, the true robot."""
     environment = {'stiffness': wall.stiffness, 'damping': wall.damping,
                    'location': wall.location}
     values: dict[str, Any] = {'environment': environment}

@@ -97,20 +97,7 @@ class RandomWorld:
 
 
 def draw_world(rng: Generator) -> RandomWorld:
-    """
-    Draw wall, robot, sensors and experiment.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Random generator.
-
-    Returns
-    -------
-    world : RandomWorld
-        Numbers rounded to six digits, as in a model file.
-
-    """
+    """Draw wall, robot, sensors and experiment."""
     wall = WallParameters(
         stiffness=_round(log_uniform(rng, 1200.0, 16000.0)),
         damping=_round(log_uniform(rng, 20.0, 280.0)),
@@ -148,24 +135,7 @@ def _draw_sensors(rng: Generator) -> SensorModel:
 
 
 def draw_nominal_wall(wall: WallParameters, rng: Generator, exact: float) -> WallParameters:
-    """
-    Draw the wall of the nominal model: K_e off by up to 25 %, B_e by up to 60 %.
-
-    Parameters
-    ----------
-    wall : WallParameters
-        Spring-damper equivalent of the true wall.
-    rng : numpy.random.Generator
-        Random generator.
-    exact : float
-        Probability that the nominal model equals `wall`.
-
-    Returns
-    -------
-    nominal : WallParameters
-        Wall of the model file.
-
-    """
+    """Draw the wall of the nominal model: K_e off by up to 25 %, B_e by up to 60 %."""
     if _coin(rng, exact):
         return wall
     error_K, error_B = rng.uniform(-0.25, 0.25), rng.uniform(-0.6, 0.6)

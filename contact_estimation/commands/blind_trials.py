@@ -65,20 +65,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run, score and print a study.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Run, score and print a study."""
     for name, least in (*((kind, 0) for kind in (*_KINDS, 'seed')), ('jobs', 1)):
         value = getattr(options, name)
         if value is not None and value < least:

@@ -56,20 +56,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Calibrate, write the parameter file and print the tool.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Calibrate, write the parameter file and print the tool."""
     files = [new_file(path) for path in (options.output, options.json) if path]
     different_files((options.output, options.json), {
         'the recording': [options.recording], 'the parameter file': [options.params],

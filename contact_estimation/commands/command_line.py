@@ -30,23 +30,7 @@ class Parser(argparse.ArgumentParser):
 def command(
     make_parser: Callable[[], Parser], run: Callable[[Any], int]
 ) -> Callable[..., int]:
-    """
-    Return the `main` function of a command.
-
-    Parameters
-    ----------
-    make_parser : callable
-        Returns the parser with all options.
-    run : callable
-        Takes the parsed options and returns the exit code.
-
-    Returns
-    -------
-    main : callable
-        Takes arguments, those of the process by default; returns 0, or 1 after one line on
-        stderr.
-
-    """
+    """Return the `main` function of a command."""
     def main(args: Sequence[str] | None = None) -> int:
         parser = make_parser()
         options = parser.parse_args(args)
@@ -67,40 +51,14 @@ def command(
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
-    """
-    Add the options of all commands that read recordings.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Extended in place.
-
-    """
+    """Add the options of all commands that read recordings."""
     add_reading_options(parser)
     parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
     parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 
 def topics_of(options: Any) -> dict[str, str]:
-    """
-    Return the topics chosen with --topic.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        With the options of `add_source_options`.
-
-    Returns
-    -------
-    topics : dict of str to str
-        Recorded topic by name; without those that were not chosen.
-
-    Raises
-    ------
-    RecordingError
-        If a --topic is not NAME:=TOPIC.
-
-    """
+    """Return the topics chosen with --topic."""
     topics: dict[str, str] = {}
     for remap in options.topic:
         name, found, topic = remap.partition(':=')
@@ -113,30 +71,12 @@ def topics_of(options: Any) -> dict[str, str]:
 
 
 def source_of(options: Any) -> RecordingSource:
-    """
-    Return where and how a recording is read; see `topics_of` and `reading_of`.
-
-    Raises
-    ------
-    UnknownNameError
-        If the name of a chosen topic is unknown.
-
-    """
+    """Return where and how a recording is read; see `topics_of` and `reading_of`."""
     return RecordingSource.of_topics(topics_of(options), **reading_of(options))
 
 
 def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:
-    """
-    Add the option --params of commands that estimate or need the parameters of an arm.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Extended in place.
-    meaning : str
-        What is used of the files.
-
-    """
+    """Add the option --params of commands that estimate or need the parameters of an arm."""
     parser.add_argument(
         '--params', action='append', default=[], metavar='FILE',
         help=f'ROS 2 parameter file of estimator_node{meaning}; may be repeated, later files '
@@ -145,25 +85,7 @@ def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:
 
 
 def chosen_parameters(options: Any) -> dict[str, Any]:
-    """
-    Return the parameters of estimator_node in the files of --params.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        With the option of `add_params_option`.
-
-    Returns
-    -------
-    parameters : dict
-        Dotted name to value.
-
-    Raises
-    ------
-    ContactEstimationError
-        If a file cannot be read or is not valid.
-
-    """
+    """Return the parameters of estimator_node in the files of --params."""
     chosen: dict[str, Any] = {}
     for path in options.params:
         chosen.update(read_parameter_file(path, 'estimator_node'))
@@ -171,26 +93,7 @@ def chosen_parameters(options: Any) -> dict[str, Any]:
 
 
 def new_file(path: str) -> Path:
-    """
-    Check that a result can be written without overwriting a recording.
-
-    Parameters
-    ----------
-    path : str
-        File to write; an earlier result is replaced.
-
-    Returns
-    -------
-    path : Path
-        The same.
-
-    Raises
-    ------
-    RecordingError
-        If its folder does not exist or is a rosbag2 recording, or the path is a folder or a
-        recording.
-
-    """
+    """Check that a result can be written without overwriting a recording."""
     file = Path(path)
     if not file.absolute().parent.is_dir():
         raise RecordingError(
@@ -212,25 +115,7 @@ def new_file(path: str) -> Path:
 
 
 def new_folder(path: str) -> Path:
-    """
-    Create a folder for results.
-
-    Parameters
-    ----------
-    path : str
-        New, or an empty folder.
-
-    Returns
-    -------
-    folder : Path
-        It exists and is empty.
-
-    Raises
-    ------
-    RecordingError
-        If the path exists already and is not an empty folder.
-
-    """
+    """Create a folder for results."""
     folder = Path(path)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise RecordingError(
@@ -244,22 +129,7 @@ def new_folder(path: str) -> Path:
 def different_files(
     paths: Iterable[str | None], inputs: Mapping[str, Iterable[str | None]] | None = None
 ) -> None:
-    """
-    Check that results overwrite neither each other nor what they are made from.
-
-    Parameters
-    ----------
-    paths : iterable of str or None
-        Files to write; None for a result that was not requested.
-    inputs : mapping of str to iterable of (str or None), optional
-        Files to read by what they are, such as 'the model file'.
-
-    Raises
-    ------
-    RecordingError
-        If two results, or a result and an input, are the same file.
-
-    """
+    """Check that results overwrite neither each other nor what they are made from."""
     taken: list[str] = []
     for path in filter(None, paths):
         for meaning, files in (inputs or {}).items():

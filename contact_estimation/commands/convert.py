@@ -34,20 +34,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Convert the recording and print what was written.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Convert the recording and print what was written."""
     output = Path(options.output)
     if output.suffix.lower() not in ('.mcap', '.csv'):
         raise RecordingError(f'OUT must end in .mcap or .csv, got {output}')

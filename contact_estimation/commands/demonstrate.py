@@ -62,20 +62,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the demonstration and print estimates before and after.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Run the demonstration and print estimates before and after."""
     if options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
     concealed = _concealed(options)

@@ -86,20 +86,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Diagnose, write the requested files and print the report.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Diagnose, write the requested files and print the report."""
     if options.nominal_robot:
         return run_arm(options)
     for name in ('write_urdf', 'write_trajectory'):

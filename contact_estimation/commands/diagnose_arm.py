@@ -26,27 +26,7 @@ _OF_CONTACTS = ('nominal', 'write_model', 'write_comparison', 'params', 'axis', 
 
 
 def run(options: Any) -> int:
-    """
-    Diagnose an arm, write the requested files and print the report.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `diagnose.make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    ParameterRangeError
-        If an option of contacts is given.
-    ModelFileError
-        If the robot description cannot be read.
-
-    """
+    """Diagnose an arm, write the requested files and print the report."""
     for name in _OF_CONTACTS:
         if getattr(options, name):
             raise ParameterRangeError(
@@ -101,15 +81,7 @@ def _write(diagnosis: ArmDiagnosis, urdf: str, options: Any) -> None:
 
 
 def read_description(path: str) -> str:
-    """
-    Return the text of a robot description.
-
-    Raises
-    ------
-    ModelFileError
-        If it is no text.
-
-    """
+    """Return the text of a robot description."""
     try:
         return Path(path).read_text()
     except UnicodeDecodeError as error:

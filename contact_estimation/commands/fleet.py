@@ -80,20 +80,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Work through the archive, write table and page and print a summary.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0, also where recordings could not be used: they are rows with their error.
-
-    """
+    """Work through the archive, write table and page and print a summary."""
     for name, least in _LEAST.items():
         value = getattr(options, name)
         if value is not None and value < least:

@@ -67,20 +67,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the loop.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0, or 1 if a process failed; the recording is kept.
-
-    """
+    """Run the loop."""
     _require_packages()
     watch = _watch_words(options.watch)
     configuration = configure(options.experiment, options.params, options.estimator,

@@ -19,27 +19,7 @@ from ..recordings.source import RecordingSource
 
 
 def picture_trace(path: str | None) -> EstimateTrace | None:
-    """
-    Return what collects the estimates for a picture.
-
-    Parameters
-    ----------
-    path : str or None
-        PNG file to write; None for no picture.
-
-    Returns
-    -------
-    trace : EstimateTrace or None
-        Empty.
-
-    Raises
-    ------
-    MissingPackageError
-        If matplotlib is not installed.
-    RecordingError
-        If the file cannot be written.
-
-    """
+    """Return what collects the estimates for a picture."""
     if path is None:
         return None
     require_matplotlib()
@@ -53,25 +33,7 @@ def write_picture(
     parameters: EstimationParameters, trace: EstimateTrace,
     true: Mapping[str, float] | None = None,
 ) -> None:
-    """
-    Write the picture of a recording.
-
-    Parameters
-    ----------
-    path : str
-        PNG file.
-    reader : RecordingReader
-        The recording, whose signals are read once more.
-    source : RecordingSource
-        Topics.
-    parameters : EstimationParameters
-        Those of the replay: axis, joint and the estimator's name.
-    trace : EstimateTrace
-        Estimates.
-    true : mapping of str to float, optional
-        True stiffness and damping, where they are known.
-
-    """
+    """Write the picture of a recording."""
     signals = read_contact_signals(
         reader, source, parameters, parameters.axis, parameters.joint)
     series = {**signal_series(signals), **trace.series(int(signals.wrench.stamp_ns[0]))}

@@ -13,15 +13,7 @@ tqdm.monitor_interval = 0  # no thread of its own: commands fork worker processe
 
 
 class Progress:
-    """
-    Show the completed fraction of a command, at most twice a second.
-
-    Parameters
-    ----------
-    name : str
-        Name of the command.
-
-    """
+    """Show the completed fraction of a command, at most twice a second."""
 
     def __init__(self, name: str) -> None:
         # disable=None: silent unless stderr is a terminal; smoothing=0: mean rate since start.
@@ -30,17 +22,7 @@ class Progress:
             delay=0.5, mininterval=0.5, miniters=0, smoothing=0.0, bar_format=_FORMAT)
 
     def show(self, fraction: float, text: str = '') -> None:
-        """
-        Update the bar.
-
-        Parameters
-        ----------
-        fraction : float
-            Completed fraction, 0 to 1.
-        text : str
-            Detail shown behind the remaining time.
-
-        """
+        """Update the bar."""
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(fraction - self._bar.n)
 

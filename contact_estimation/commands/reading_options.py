@@ -60,25 +60,7 @@ def print_columns(reader: RecordingReader) -> None:
 
 
 def reading_of(options: Any) -> dict[str, Any]:
-    """
-    Return how a recording is read, as chosen with the options of `add_reading_options`.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        With these options.
-
-    Returns
-    -------
-    reading : dict
-        Attributes of `RecordingSource` that are no topics, ready for JSON.
-
-    Raises
-    ------
-    RecordingError
-        If a --columns is not SIGNAL=COLUMN.
-
-    """
+    """Return how a recording is read, as chosen with the options of `add_reading_options`."""
     columns = {}
     for text in options.columns:
         signal, found, column = text.partition('=')

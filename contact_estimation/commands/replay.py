@@ -78,25 +78,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Replay the recording, write the requested files and print a summary.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    RecordingError
-        If nothing could be estimated; files of estimates are written all the same.
-
-    """
+    """Replay the recording, write the requested files and print a summary."""
     # Millions of small tuples and no cycles: garbage collection would take a fifth of the time.
     gc.disable()
     begin = time.perf_counter()

@@ -64,27 +64,7 @@ class Replayed:
 def refuse_empty(
     recording: str, replay: RecordingReplay, replayed: Replayed, cause: Callable[[], str]
 ) -> None:
-    """
-    Refuse a replay that never updated the first guess.
-
-    Parameters
-    ----------
-    recording : str
-        Its path.
-    replay : RecordingReplay
-        At its end.
-    replayed : Replayed
-        Its estimates.
-    cause : callable
-        Returns what the diagnosis finds wrong with the recording, '' for nothing; called where
-        there are too few samples to tell anything else.
-
-    Raises
-    ------
-    RecordingError
-        If there was no sample, no contact or no estimate, with the reason.
-
-    """
+    """Refuse a replay that never updated the first guess."""
     if replayed.samples < LEAST_SAMPLES and (found := cause()):
         raise RecordingError(found)
     if not replayed.samples:
@@ -109,11 +89,6 @@ def summary_of(
         Its estimates, not empty.
     wall_s : float
         Duration of the replay [s].
-
-    Returns
-    -------
-    summary : dict
-        As written with --json.
 
     """
     session, last = replay.session, replayed.last
@@ -198,15 +173,7 @@ def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
 
 
 def print_summary(summary: dict[str, Any]) -> None:
-    """
-    Print a summary; warnings and losses go to stderr.
-
-    Parameters
-    ----------
-    summary : dict
-        Of `summary_of`.
-
-    """
+    """Print a summary; warnings and losses go to stderr."""
     speed = summary['recorded_s'] / max(summary['wall_s'], 1e-9)
     print(f'{summary["estimator"]}: {summary["samples"]} samples, {summary["recorded_s"]:.1f} s '
           f'recorded, replayed in {summary["wall_s"]:.1f} s ({speed:.0f} times real time)')

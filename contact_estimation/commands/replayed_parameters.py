@@ -15,27 +15,7 @@ from ..ros.estimator_node_parameters import EstimatorNodeParameters
 
 
 def replayed_parameters(options: Any) -> dict[str, Any]:
-    """
-    Return the parameters chosen with --params, --estimator, --axis and --joint.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        With the options of `add_params_option` and `add_source_options`, and `estimator`.
-
-    Returns
-    -------
-    parameters : dict
-        Dotted name to value, without those of the node alone.
-
-    Raises
-    ------
-    ContactEstimationError
-        If a file cannot be read or is not valid.
-    UnknownNameError
-        If there is no such estimator.
-
-    """
+    """Return the parameters chosen with --params, --estimator, --axis and --joint."""
     chosen = without(EstimatorNodeParameters, chosen_parameters(options))
     if options.estimator:
         if options.estimator not in ONLINE_ESTIMATORS:

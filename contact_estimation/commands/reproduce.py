@@ -37,20 +37,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Compute table and figures.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Compute table and figures."""
     for name in ('seeds', 'jobs'):
         if getattr(options, name) < 1:
             raise ParameterRangeError(f'--{name} must be >= 1, got {getattr(options, name)}')

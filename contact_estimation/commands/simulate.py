@@ -66,20 +66,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Simulate and write the recording.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Simulate and write the recording."""
     output = _new_recording(options.output)
     different_files((options.output, options.picture), {
         'the model file': [options.model], 'the recording': [options.like],

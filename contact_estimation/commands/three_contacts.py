@@ -32,20 +32,7 @@ from ..reproduction.three_contacts_world import (
 
 
 def run(options: Any) -> int:
-    """
-    Simulate, estimate, print the results and plot them.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Result of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Simulate, estimate, print the results and plot them."""
     instants = simulate(options.seed)
     runs = {variant: estimate(instants, variant) for variant in VARIANTS}
     print(f'eq. (6), {len(POINTS)} points, {DURATION:g} s at {RATE:g} Hz, seed {options.seed}: '

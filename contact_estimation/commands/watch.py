@@ -63,25 +63,7 @@ def make_parser() -> Parser:
 
 
 def rerun_file(path: str) -> str:
-    """
-    Check the file of a view.
-
-    Parameters
-    ----------
-    path : str
-        To be written.
-
-    Returns
-    -------
-    path : str
-        Absolute.
-
-    Raises
-    ------
-    RecordingError
-        If it cannot be written or is no .rrd file.
-
-    """
+    """Check the file of a view."""
     if new_file(path).suffix.lower() != '.rrd':
         raise RecordingError(
             f'a view is written to a file of Rerun, got {path}; let its name end in .rrd')
@@ -89,20 +71,7 @@ def rerun_file(path: str) -> str:
 
 
 def run(options: Any) -> int:
-    """
-    Show a recording, or a running estimator until interrupted.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`, and `ros_args`.
-
-    Returns
-    -------
-    code : int
-        0, or that of the node.
-
-    """
+    """Show a recording, or a running estimator until interrupted."""
     require_rerun()
     target = WEB if options.web else WINDOW
     if options.save:
@@ -173,20 +142,7 @@ def _interrupted() -> Event:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Run the command."""
     words = list(sys.argv[1:] if args is None else args)
     at = words.index('--ros-args') if '--ros-args' in words else len(words)
 

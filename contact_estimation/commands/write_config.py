@@ -25,15 +25,7 @@ from ..watch.plotjuggler import plotjuggler_layout
 
 
 def config_files() -> dict[str, str]:
-    """
-    Return the contents of all files in config/.
-
-    Returns
-    -------
-    files : dict
-        Name of the file to its text.
-
-    """
+    """Return the contents of all files in config/."""
     return {
         'estimator_node.yaml': parameter_file(
             ANY_NODE,
@@ -56,20 +48,7 @@ def config_files() -> dict[str, str]:
 
 
 def run(options: Any) -> int:
-    """
-    Write the files.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Result of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Write the files."""
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in config_files().items():

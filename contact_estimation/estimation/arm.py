@@ -27,20 +27,7 @@ NO_TRANSFORMS = (
 
 
 def check_arm(parameters: EstimationParameters) -> None:
-    """
-    Check parameters of an arm that must be consistent with each other.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-
-    Raises
-    ------
-    ParameterRangeError
-        If base or normal are missing, or other joints are named.
-
-    """
+    """Check parameters of an arm that must be consistent with each other."""
     if abs(parameters.force_sign) != 1.0:
         raise ParameterRangeError(f'force_sign must be 1 or -1, got {parameters.force_sign:g}')
     kinematics = parameters.kinematics
@@ -74,27 +61,7 @@ def check_arm(parameters: EstimationParameters) -> None:
 
 
 def kinematics_of(parameters: EstimationParameters, description: str) -> ContactKinematics:
-    """
-    Make the kinematics of an arm.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        With `kinematics.tip`.
-    description : str
-        Text of the URDF.
-
-    Returns
-    -------
-    kinematics : ContactKinematics
-        From base to tip.
-
-    Raises
-    ------
-    ContactEstimationError
-        If Pinocchio is missing, or the description does not fit the parameters.
-
-    """
+    """Make the kinematics of an arm."""
     p = parameters
     model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
     kinematics = ContactKinematics(
@@ -106,27 +73,7 @@ def kinematics_of(parameters: EstimationParameters, description: str) -> Contact
 
 
 def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> ContactKinematics:
-    """
-    Make the kinematics of an arm whose poses are those of tf.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        With `kinematics.tip`.
-    tree : FrameTree
-        Frames of tf.
-
-    Returns
-    -------
-    kinematics : ContactKinematics
-        From base to tip.
-
-    Raises
-    ------
-    ContactEstimationError
-        If transforms do not connect base and tip.
-
-    """
+    """Make the kinematics of an arm whose poses are those of tf."""
     p = parameters
     model = TransformModel(tree, p.kinematics.base, p.kinematics.tip)
     return ContactKinematics(
@@ -134,25 +81,7 @@ def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> C
 
 
 def described_in_file(parameters: EstimationParameters) -> str:
-    """
-    Return the robot description of the configured file.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        With `robot_description_file`.
-
-    Returns
-    -------
-    description : str
-        '' where no file is configured.
-
-    Raises
-    ------
-    ModelFileError
-        If the file cannot be read.
-
-    """
+    """Return the robot description of the configured file."""
     path = parameters.robot_description_file
     if not path:
         return ''

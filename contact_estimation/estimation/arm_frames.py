@@ -52,20 +52,7 @@ class ArmFrames:
         self._refused: tuple[str, str] = '', ''
 
     def add_static(self, transforms: Sequence[StampedTransform]) -> bool:
-        """
-        Add transforms of /tf_static.
-
-        Parameters
-        ----------
-        transforms : sequence of StampedTransform
-            As received.
-
-        Returns
-        -------
-        news : bool
-            Whether one of them is new or has changed.
-
-        """
+        """Add transforms of /tf_static."""
         new = [one for one in transforms if self.tree.add_fixed([one])]
         self._unreported += new
         if new:
@@ -80,23 +67,7 @@ class ArmFrames:
         return new
 
     def place_sensor(self, arm: ContactKinematics, frame: str) -> None:
-        """
-        Set the frame in whose axes the wrench is measured.
-
-        Parameters
-        ----------
-        arm : ContactKinematics
-            The arm that carries it.
-        frame : str
-            A link or, where the arm has no such link, a frame that static transforms connect
-            with one.
-
-        Raises
-        ------
-        ContactEstimationError
-            If nothing connects it.
-
-        """
+        """Set the frame in whose axes the wrench is measured."""
         if not frame:
             raise UnknownNameError(_NO_FRAME)
         if self._refused[0] == frame:

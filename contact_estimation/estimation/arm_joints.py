@@ -20,15 +20,7 @@ _PARTS = 10  # messages over which the joints of an arm may be split
 
 
 class ArmJoints(ArmStage):
-    """
-    The stage of an arm that has a description: joint states, which may come in parts.
-
-    Parameters
-    ----------
-    session : ContactSession
-        With an arm configured.
-
-    """
+    """The stage of an arm that has a description: joint states, which may come in parts."""
 
     lacking: ClassVar[str] = 'robot_description_missing'
 
@@ -38,20 +30,7 @@ class ArmJoints(ArmStage):
         self._complete, self._incomplete = False, 0
 
     def process_motion(self, raw: bytes) -> list[Result]:
-        """
-        Process a raw joint state, which may have some of the joints or others.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR of sensor_msgs/msg/JointState.
-
-        Returns
-        -------
-        results : list of Result
-            One for each sample completed by this joint state.
-
-        """
+        """Process a raw joint state, which may have some of the joints or others."""
         if self._joints is None and not self._prepared():
             self._start_up.refused_motion(header_stamp_ns(raw))
             return []

@@ -54,33 +54,7 @@ def read_contact_signals(
     reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
     axis: str, joint: str, most_samples: int | None = None,
 ) -> RecordedSignals:
-    """
-    Read motion, force and reference along the contact axis, of an arm or of a single joint.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    parameters : EstimationParameters
-        Whether there is an arm, and the sign of the force.
-    axis, joint : str
-        Axis of the force and joint of the contact axis, without an arm.
-    most_samples : int, optional
-        Number of wrenches after which reading stops; all by default.
-
-    Returns
-    -------
-    signals : RecordedSignals
-        F_e as of the environment on the end-effector, tared as `source` says.
-
-    Raises
-    ------
-    ContactEstimationError
-        If topics are missing, or the description of the arm does not fit.
-
-    """
+    """Read motion, force and reference along the contact axis, of an arm or of a single joint."""
     if parameters.kinematics.tip:
         signals = read_arm_signals(reader, source, parameters, most_samples)
     else:
@@ -105,27 +79,6 @@ def read_arm_signals(
     stamps of the wrench, for which the joints are interpolated. A normal given in the tip's frame
     is that of the instant at which the arm presses most. The inertia of a tool of known mass
     (`physics.tool_inertia.mass`) is taken out, as on line: F_e = F + mass a.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    parameters : EstimationParameters
-        With an arm.
-    most_samples : int, optional
-        Number of wrenches after which reading stops; all by default.
-
-    Returns
-    -------
-    signals : RecordedSignals
-        In the base frame.
-
-    Raises
-    ------
-    ContactEstimationError
-        If topics are missing, or the description does not fit.
 
     """
     frames = ArmFrames()

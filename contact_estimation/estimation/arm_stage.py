@@ -23,11 +23,6 @@ class ArmStage(ABC):
 
     Every message before the session knows the arm is counted as rejected.
 
-    Parameters
-    ----------
-    session : ContactSession
-        With an arm configured.
-
     Attributes
     ----------
     frames : ArmFrames
@@ -50,20 +45,7 @@ class ArmStage(ABC):
 
     @abstractmethod
     def process_motion(self, raw: bytes) -> list[Result]:
-        """
-        Process a raw message that has the motion of the arm, or a part of it.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR.
-
-        Returns
-        -------
-        results : list of Result
-            One for each sample completed by this message.
-
-        """
+        """Process a raw message that has the motion of the arm, or a part of it."""
 
     @property
     def has_sensor(self) -> bool:
@@ -91,11 +73,6 @@ class ArmStage(ABC):
         frame_id : str
             Of the wrench; `force_sensor.frame` precedes it.
 
-        Returns
-        -------
-        done : bool
-            False where nothing connects the frame with the arm; the wrench is counted then.
-
         """
         arm = self._session.arm
         assert arm is not None
@@ -113,30 +90,14 @@ class ArmStage(ABC):
         return True
 
     def process_static_transforms(self, raw: bytes) -> None:
-        """
-        Process raw static transforms of tf.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR of tf2_msgs/msg/TFMessage.
-
-        """
+        """Process raw static transforms of tf."""
         try:
             self.use_static(self._transforms.decode(raw))
         except MessageError as error:
             self._session.count_rejected(f'tf_{error.reason}', str(error))
 
     def use_static(self, transforms: Sequence[StampedTransform]) -> None:
-        """
-        Use static transforms of tf.
-
-        Parameters
-        ----------
-        transforms : sequence of StampedTransform
-            As received.
-
-        """
+        """Use static transforms of tf."""
         if self.frames.add_static(transforms):
             self._announce_static()
 

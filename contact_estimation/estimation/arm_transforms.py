@@ -28,11 +28,6 @@ class ArmTransforms(ArmStage):
     tip. The velocity along the normal follows from that position, as for joints without measured
     velocities.
 
-    Parameters
-    ----------
-    session : ContactSession
-        With an arm configured, and `pose_source` tf.
-
     """
 
     lacking: ClassVar[str] = 'transforms_missing'
@@ -44,20 +39,7 @@ class ArmTransforms(ArmStage):
         self._moving: MovingFrames | None = None
 
     def process_motion(self, raw: bytes) -> list[Result]:
-        """
-        Process raw transforms of tf.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR of tf2_msgs/msg/TFMessage.
-
-        Returns
-        -------
-        results : list of Result
-            One for each sample completed by these transforms.
-
-        """
+        """Process raw transforms of tf."""
         try:
             transforms = self._transforms.decode(raw)
         except MessageError as error:

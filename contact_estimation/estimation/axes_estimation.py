@@ -17,11 +17,6 @@ class AxesEstimation:
 
     What concerns all of them at once; samples pass through the session.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-
     Attributes
     ----------
     pipelines : dict of str to EstimationPipeline
@@ -41,20 +36,7 @@ class AxesEstimation:
         self.matrix = MatrixEstimation(parameters)
 
     def configure(self, parameters: EstimationParameters) -> None:
-        """
-        Set new parameters while running; K_hat and B_hat stay.
-
-        Parameters
-        ----------
-        parameters : EstimationParameters
-            All parameters.
-
-        Raises
-        ------
-        ContactEstimationError
-            If they are inconsistent.
-
-        """
+        """Set new parameters while running; K_hat and B_hat stay."""
         for axis, pipeline in self.pipelines.items():
             pipeline.configure(parameters.of_axis(axis))
         self.matrix.configure(parameters)
@@ -74,18 +56,7 @@ class AxesEstimation:
         self.checks.reset()
 
     def tare(self) -> tuple[bool, str]:
-        """
-        Set the force bias to the mean force of the last moments of free flight.
-
-        Returns
-        -------
-        done : bool
-            False where an axis is in contact or has not been free long enough: friction of a
-            contact loads the other axes too, so all are tared or none.
-        message : str
-            The new bias, or the reason for refusal.
-
-        """
+        """Set the force bias to the mean force of the last moments of free flight."""
         messages = {axis: p.tare_refusal() for axis, p in self.pipelines.items()}
         done = not any(messages.values())
         if done:

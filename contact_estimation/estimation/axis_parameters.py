@@ -33,36 +33,13 @@ class FurtherAxesParameters(ParameterGroup):
     z: FurtherAxisParameters = group(FurtherAxisParameters)
 
     def named(self) -> dict[str, FurtherAxisParameters]:
-        """
-        Return the axes that are estimated.
-
-        Returns
-        -------
-        axes : dict
-            'x', 'y' or 'z' to its parameters, in this order.
-
-        """
+        """Return the axes that are estimated."""
         every = {'x': self.x, 'y': self.y, 'z': self.z}
         return {axis: own for axis, own in every.items() if own.joint}
 
 
 def check_axes(axis: str, joint: str, further: FurtherAxesParameters) -> None:
-    """
-    Check that every axis is estimated once and from a joint of its own.
-
-    Parameters
-    ----------
-    axis, joint : str
-        The contact axis.
-    further : FurtherAxesParameters
-        The others.
-
-    Raises
-    ------
-    ParameterRangeError
-        If the contact axis is named twice, has no joint beside others, or two share a joint.
-
-    """
+    """Check that every axis is estimated once and from a joint of its own."""
     others = further.named()
     if axis in others:
         raise ParameterRangeError(
@@ -83,22 +60,7 @@ def check_axes(axis: str, joint: str, further: FurtherAxesParameters) -> None:
 
 
 def check_matrix(matrix_estimator: str, axes: tuple[str, ...]) -> None:
-    """
-    Check that the full matrices have three axes.
-
-    Parameters
-    ----------
-    matrix_estimator : str
-        'off', or the name of the estimator.
-    axes : tuple of str
-        Axes that have a joint.
-
-    Raises
-    ------
-    ParameterRangeError
-        If one is missing.
-
-    """
+    """Check that the full matrices have three axes."""
     if matrix_estimator != 'off' and len(axes) < 3:
         raise ParameterRangeError(
             f'matrix_estimator {matrix_estimator} needs the axes x, y and z, got '

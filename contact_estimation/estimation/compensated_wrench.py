@@ -48,11 +48,6 @@ class CompensatedWrench:
 
     Without that mass the wrench is neither averaged nor filtered.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        Tool, filter and sample rate.
-
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:

@@ -43,11 +43,6 @@ def plot_contact(
     warning : str
         Below the title; '' for none.
 
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        Two axes, and one for each estimated quantity, with a common time.
-
     """
     shown = {name: label for name, label in _QUANTITIES.items() if name in series}
     count = 2 + len(shown)
@@ -68,11 +63,6 @@ def plot_contact(
 def signal_series(signals: RecordedSignals) -> dict[str, Series]:
     """
     Return the signals of a recording over time since its first wrench, thinned for a picture.
-
-    Parameters
-    ----------
-    signals : RecordedSignals
-        Of `read_signals`.
 
     Returns
     -------

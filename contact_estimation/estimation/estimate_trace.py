@@ -25,15 +25,7 @@ class EstimateTrace:
         self._count, self._stride = 0, 1
 
     def write(self, estimates: Sequence[AxesEstimates]) -> None:
-        """
-        Take the estimates of consecutive samples.
-
-        Parameters
-        ----------
-        estimates : sequence of AxesEstimates
-            In order.
-
-        """
+        """Take the estimates of consecutive samples."""
         for contact, *_ in estimates[-self._count % self._stride::self._stride]:
             values = (getattr(contact, name) for name in ESTIMATES)
             self._rows.append((contact.stamp_ns, *values))

@@ -27,11 +27,6 @@ class MessageInputs:
 
     A message that cannot be used is counted as rejected and gives no result.
 
-    Parameters
-    ----------
-    session : ContactSession
-        Where measurements go.
-
     Attributes
     ----------
     frame_id : str
@@ -61,20 +56,7 @@ class MessageInputs:
         self._forces = itemgetter(*places if len(places) > 1 else (one,))
 
     def process_wrench(self, raw: bytes) -> list[Result]:
-        """
-        Process a raw wrench.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR of geometry_msgs/msg/WrenchStamped.
-
-        Returns
-        -------
-        results : list of Result
-            One for each sample completed by this wrench.
-
-        """
+        """Process a raw wrench."""
         decoder, arm = self._wrench, self.arm
         try:
             reading = decoder.decode(raw)
@@ -94,20 +76,7 @@ class MessageInputs:
         return self._session.add_wrench(reading[0], *forces)
 
     def process_motion(self, raw: bytes) -> list[Result]:
-        """
-        Process a raw joint state or, where the poses of an arm come from tf, raw transforms.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR of sensor_msgs/msg/JointState or tf2_msgs/msg/TFMessage.
-
-        Returns
-        -------
-        results : list of Result
-            One for each sample completed by this motion.
-
-        """
+        """Process a raw joint state or, where the poses of an arm come from tf, raw transforms."""
         if self.arm is not None:
             return self.arm.process_motion(raw)
         try:
@@ -120,21 +89,7 @@ class MessageInputs:
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]
     ) -> list[AxesEstimates] | None:
-        """
-        Process raw wrenches and joint states that have the same stamps, many at once.
-
-        Parameters
-        ----------
-        wrenches, joints : sequence of bytes
-            Equally many of each.
-
-        Returns
-        -------
-        estimates : list of tuple of Estimate, or None
-            One a pair; None where the messages are irregular, or those of an arm, and must be
-            processed one by one.
-
-        """
+        """Process raw wrenches and joint states that have the same stamps, many at once."""
         if not isinstance(self._wrench, WrenchDecoder):
             return None
         forces = self._wrench.decode_many(wrenches)

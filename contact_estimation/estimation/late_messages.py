@@ -23,17 +23,7 @@ _MOST_HELD = 6000  # messages for which a late topic is awaited
 
 
 class LateMessages:
-    """
-    Undo the lateness of one topic against the other, where it does not last.
-
-    Parameters
-    ----------
-    wrench : str
-        Topic of the wrenches; the messages of all other topics are joint states.
-    limits : callable
-        Returns those with which messages are paired at the time.
-
-    """
+    """Undo the lateness of one topic against the other, where it does not last."""
 
     def __init__(self, wrench: str, limits: Callable[[], SynchronisationParameters]) -> None:
         self._wrench, self._limits = wrench, limits
@@ -41,20 +31,7 @@ class LateMessages:
     def joined(
         self, batches: Iterable[list[RecordedMessage]]
     ) -> Iterator[list[RecordedMessage]]:
-        """
-        Join a batch at whose end one topic is late with those that follow, until it is no more.
-
-        Parameters
-        ----------
-        batches : iterable of list of RecordedMessage
-            In the order of the recording.
-
-        Yields
-        ------
-        batch : list of RecordedMessage
-            In the same order; as given where the topic stays behind.
-
-        """
+        """Join a batch that ends with one topic late and those that follow."""
         held: list[list[RecordedMessage]] = []
         together: list[RecordedMessage] = []
         for batch in batches:
@@ -82,21 +59,7 @@ class LateMessages:
         return abs(wrench_ns - joint_ns) <= self._limits().timeout_s * 1e9
 
     def ordered(self, messages: list[RecordedMessage]) -> list[RecordedMessage]:
-        """
-        Order messages by their stamps, where both topics end together and set time back alike.
-
-        Parameters
-        ----------
-        messages : list of RecordedMessage
-            In the order of the recording.
-
-        Returns
-        -------
-        messages : list of RecordedMessage
-            Those of each topic in the same order; a joint state before the wrench of its stamp,
-            and one whose stamp will be rejected with the message before it.
-
-        """
+        """Order messages by stamps, where both topics end and set time back together."""
         if not self.end_together(messages):
             return messages
         topics = {of_wrench: _TopicOrder(of_wrench, self._limits()) for of_wrench in (False, True)}

@@ -23,11 +23,6 @@ class MatrixEstimation:
     """
     Estimate the matrices from the samples of a session, where its parameters say so.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-
     Attributes
     ----------
     last : MatrixEstimate or None
@@ -62,17 +57,7 @@ class MatrixEstimation:
             self._estimator.reset()
 
     def process(self, axes: AxesSample, estimates: AxesEstimates) -> None:
-        """
-        Process the next sample; the contact axis decides on contact.
-
-        Parameters
-        ----------
-        axes : tuple of ContactSample
-            Samples of all axes.
-        estimates : tuple of Estimate
-            Of the same sample.
-
-        """
+        """Process the next sample; the contact axis decides on contact."""
         ordered = tuple(axes[k] for k in self._order)
         self._contact = estimates[0].status is not EstimateStatus.FREE
         found = self._estimator.process([ordered], [self._contact])

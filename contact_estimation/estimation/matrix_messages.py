@@ -20,22 +20,7 @@ MATRIX_TOPICS = {
 
 
 def encode_matrices(estimate: MatrixEstimate, vectors: Vector3StampedEncoder) -> dict[str, bytes]:
-    """
-    Encode an estimate for the topics of MATRIX_TOPICS.
-
-    Parameters
-    ----------
-    estimate : MatrixEstimate
-        To be published.
-    vectors : Vector3StampedEncoder
-        With the frame of the wrench.
-
-    Returns
-    -------
-    messages : dict of str to bytes
-        By topic; the labels of the arrays say what their entries are.
-
-    """
+    """Encode an estimate for the topics of MATRIX_TOPICS."""
     quantities, columns = '/'.join(LABELS), '/'.join(PRINCIPAL_LABELS)
     return {
         'stiffness_matrix': encode_multi_array(

@@ -29,27 +29,7 @@ _FILE = 'robot_description_file'
 def recorded_parameters(
     reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """
-    Return the parameters at start that a recording holds.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics; without metadata, the event at start is used, which any recorder may have
-        recorded.
-    chosen : mapping
-        Parameters chosen by the user.
-
-    Returns
-    -------
-    parameters : dict
-        Dotted name to value, without those that no longer exist (a recording may be years old)
-        or that the choice makes meaningless. Never with the file of the description, which may be
-        missing or have changed: the recording holds its text.
-
-    """
+    """Return the parameters at start that a recording holds."""
     known = {spec.name for spec in specifications(EstimationParameters)} - {_FILE}
     recorded = from_metadata(reader.metadata()) or _at_start(reader, source)
     recorded = {name: value for name, value in recorded.items() if name in known}
@@ -82,23 +62,7 @@ def recorded_events(reader: RecordingReader, source: RecordingSource) -> Iterato
 def recorded_static(
     reader: RecordingReader, source: RecordingSource
 ) -> list[StampedTransform]:
-    """
-    Return the static transforms of a recording.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics: the events of the node hold those that the node used, else `tf_static` has
-        them.
-
-    Returns
-    -------
-    transforms : list of StampedTransform
-        Of events, those before the first sample; later ones take effect at their time.
-
-    """
+    """Return the static transforms of a recording."""
     events = [event for event in recorded_events(reader, source) if event.kind == STATIC]
     if events:
         return [one for event in events if event.moment == BEFORE_ANY_SAMPLE
@@ -119,28 +83,7 @@ def refused_at_start(reader: RecordingReader, source: RecordingSource) -> Mappin
 
 
 def recorded_description(reader: RecordingReader, source: RecordingSource) -> str:
-    """
-    Return the robot description of a recording.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics: the events of the node hold the text that the node used, else
-        `robot_description` has it.
-
-    Returns
-    -------
-    description : str
-        Text of the URDF.
-
-    Raises
-    ------
-    RecordingError
-        If there is none.
-
-    """
+    """Return the robot description of a recording."""
     for event in recorded_events(reader, source):
         if event.kind == DESCRIPTION:
             return str(event.parameters['text'])

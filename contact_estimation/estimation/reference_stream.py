@@ -123,13 +123,6 @@ class ReferenceStream:
     moved by others: x_r then returns to it at `reference.maximum_velocity` and rests there until
     the planner or a force law asks for something else.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-    rejected : Counter
-        Where rejected setpoints are counted, by reason.
-
     """
 
     def __init__(self, parameters: EstimationParameters, rejected: Counter[str]) -> None:
@@ -146,15 +139,7 @@ class ReferenceStream:
         self.change_clock()
 
     def configure(self, parameters: EstimationParameters) -> None:
-        """
-        Set new parameters while running; x_r stays continuous.
-
-        Parameters
-        ----------
-        parameters : EstimationParameters
-            All parameters.
-
-        """
+        """Set new parameters while running; x_r stays continuous."""
         self._generator.configure(
             parameters.reference_law, parameters.reference, 1.0 / parameters.sample_rate
         )
@@ -228,22 +213,7 @@ class ReferenceStream:
         self._setpoints.append((stamp_ns, Desired(desired.position, v, a, force)))
 
     def step(self, sample: ContactSample, estimate: Estimate) -> Reference:
-        """
-        Compute the reference for one sample period after a sample.
-
-        Parameters
-        ----------
-        sample : ContactSample
-            Of the contact axis.
-        estimate : Estimate
-            After that sample.
-
-        Returns
-        -------
-        reference : Reference
-            x_r with derivatives.
-
-        """
+        """Compute the reference for one sample period after a sample."""
         stamp_ns, position, _, _ = sample
         period_ns, last_ns, self._last_ns = self.period_ns, self._last_ns, stamp_ns
         if last_ns == BEFORE_ANY:

@@ -52,27 +52,7 @@ def _measured(
 
 
 class RecordingReplay:
-    """
-    Process a recording in a new session, with its events and references.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    chosen : mapping
-        Parameters chosen by the user; they take precedence over recorded values and over
-        recorded changes of them.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing.
-    ContactEstimationError
-        If a parameter is not valid.
-
-    """
+    """Process a recording in a new session, with its events and references."""
 
     def __init__(
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
@@ -112,20 +92,7 @@ class RecordingReplay:
         return tares
 
     def estimates(self) -> Iterator[list[AxesEstimates]]:
-        """
-        Run the recording through the session.
-
-        Yields
-        ------
-        estimates : list of tuple of Estimate
-            Of a part of the recording, in order, one tuple for each wrench used.
-
-        Raises
-        ------
-        RecordingError
-            If a topic is missing or has another type than expected.
-
-        """
+        """Run the recording through the session."""
         batches = self._ahead(self._reader.batches(self._topics()))
         for batch in self._late.joined(batches) if self._late else batches:
             yield self._process(batch)

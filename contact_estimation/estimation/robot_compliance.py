@@ -36,22 +36,7 @@ class RobotParameters(ParameterGroup):
 
 
 def with_joints(robot: RobotParameters, physics: Any) -> RobotParameters:
-    """
-    Add the compliance of joints that are known physics.
-
-    Parameters
-    ----------
-    robot : RobotParameters
-        Compliance of the rest.
-    physics : PhysicsParameters
-        Known effects.
-
-    Returns
-    -------
-    robot : RobotParameters
-        `robot` itself without a flexible joint.
-
-    """
+    """Add the compliance of joints that are known physics."""
     joints = [effect.joint(1.0) for effect in effects_that_are_on(physics)
               if isinstance(effect, RobotEffect)]
     yields = sum(joint.compliance for joint in joints if joint is not None)
@@ -73,11 +58,6 @@ def of_the_wall(
         The fields of a `ParameterEstimate` of the measured force and position.
     robot : RobotParameters
         Compliance C [m/N] and its standard deviation.
-
-    Returns
-    -------
-    wall : ParameterEstimate
-        Of the wall alone, deviations to first order.
 
     """
     K, B, K_std, B_std, shift, inertia = estimate

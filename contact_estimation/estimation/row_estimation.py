@@ -34,13 +34,6 @@ class RowEstimation:
     """
     Rows of an estimator's relation, its updates, and its restarts where the wall has changed.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-    posterior : WallPosterior
-        Tells contact, surface, noise, excitation and changes of the wall.
-
     Attributes
     ----------
     estimator : OnlineEstimator
@@ -106,11 +99,6 @@ class RowEstimation:
             What known physics leave; None without any.
         found : float
             Where the posterior is sure of the surface, less the nominal one [m]; else NaN.
-
-        Returns
-        -------
-        estimate, status, reason
-            After the sample.
 
         """
         posterior = self._posterior

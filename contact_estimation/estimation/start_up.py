@@ -15,11 +15,6 @@ class StartUp:
     In replay the arm is known from the first message on. What the node refused must be refused
     again, or the estimates differ in their last digits.
 
-    Parameters
-    ----------
-    wrench_ns, motion_ns : int
-        As below; before any by default.
-
     Attributes
     ----------
     wrench_ns, motion_ns : int

@@ -35,21 +35,7 @@ class TargetPose(NamedTuple):
 
 
 def check_target_pose(parameters: EstimationParameters) -> None:
-    """
-    Check that x_r determines a pose.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-
-    Raises
-    ------
-    ParameterRangeError
-        If only one coordinate of the robot is known, or the normal turns with the tool: x then
-        changes where the tool only turns, and x_r, which does not, would pull the arm.
-
-    """
+    """Check that x_r determines a pose."""
     if not parameters.kinematics.tip:
         raise ParameterRangeError(
             'publish_target_pose needs the pose of an arm, but kinematics.tip is empty; set '
@@ -65,22 +51,7 @@ def check_target_pose(parameters: EstimationParameters) -> None:
 
 
 def target_pose(result: Result, limits: PoseLimits) -> TargetPose | None:
-    """
-    Return the measured pose with only the coordinate along the normal replaced by x_r.
-
-    Parameters
-    ----------
-    result : Result
-        Of a sample of an arm.
-    limits : PoseLimits
-        Lead over the measured position, and box.
-
-    Returns
-    -------
-    pose : TargetPose or None
-        None without an arm or a reference, or where the limits allow none.
-
-    """
+    """Return the measured pose with only the coordinate along the normal replaced by x_r."""
     arm, reference = result.arm, result.reference
     if arm is None or reference is None:
         return None

@@ -14,20 +14,7 @@ _NOTABLE = 0.1  # change of a probability that is published
 
 
 def laws_in_words(probabilities: Sequence[float]) -> str:
-    """
-    Return names and probabilities, the most probable first.
-
-    Parameters
-    ----------
-    probabilities : sequence of float
-        In the order of `LAWS`.
-
-    Returns
-    -------
-    text : str
-        Such as 'kelvin_voigt 0.97 friction 0.02'; what rounds to 0.00 is left out.
-
-    """
+    """Return names and probabilities, the most probable first."""
     order = sorted(zip(probabilities, LAWS), key=lambda one: -one[0])
     return ' '.join(f'{name} {p:.2f}' for p, name in order if p >= _LEAST)
 
@@ -40,20 +27,7 @@ class WallLawNews:
         self._told: Sequence[float] = ()
 
     def take(self, probabilities: Sequence[float]) -> str:
-        """
-        Return what is new.
-
-        Parameters
-        ----------
-        probabilities : sequence of float
-            Now, in the order of `LAWS`; a new object where any has changed.
-
-        Returns
-        -------
-        text : str
-            As of `laws_in_words`; '' where nothing is new.
-
-        """
+        """Return what is new."""
         if probabilities is self._last:  # between two blocks of samples, as nearly always
             return ''
         self._last, told = probabilities, self._told

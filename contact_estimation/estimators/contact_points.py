@@ -121,18 +121,6 @@ def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions
 
     delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
 
-    Parameters
-    ----------
-    geometry : ContactGeometry
-        Points and surfaces.
-    motion : ToolMotion
-        Pose and twist.
-
-    Returns
-    -------
-    motions : PointMotions
-        Motion of every point, in contact or not.
-
     """
     normals = geometry.normals
     arms = geometry.points @ motion.rotation.T  # (N, 3) [m]
@@ -188,11 +176,6 @@ def contact_forces(
     -------
     forces : ndarray, shape (N, 3)
         Force on the tool [N].
-
-    Raises
-    ------
-    ParameterRangeError
-        If K_e, B_e or mu is out of range.
 
     """
     if not mu >= 0.0:

@@ -100,13 +100,6 @@ class ContactPointsEstimator:
     velocity near 0 is noise and biases mu and K_hat towards 0. Only rows that friction of
     sticking points cannot affect are used.
 
-    Parameters
-    ----------
-    geometry : ContactGeometry
-        Points and surfaces.
-    parameters : ContactPointsParameters, optional
-        Prior, noise and memory.
-
     """
 
     def __init__(
@@ -131,25 +124,7 @@ class ContactPointsEstimator:
         self._reason = 'weak excitation'
 
     def update(self, sample: ContactPointsSample) -> ContactPointsEstimate:
-        """
-        Process one sample.
-
-        Parameters
-        ----------
-        sample : ContactPointsSample
-            Sample without NaN.
-
-        Returns
-        -------
-        estimate : ContactPointsEstimate
-            Estimate after the sample.
-
-        Raises
-        ------
-        SignalShapeError
-            If the force does not have three components.
-
-        """
+        """Process one sample."""
         force = np.asarray(sample.force, float)
         if force.shape != (3,):
             raise SignalShapeError(f'force must have shape (3,), got {force.shape}')

@@ -45,11 +45,6 @@ def limitation_of(stiffness_gain: float, remedy: str = _REMEDY) -> str:
     remedy : str
         What to change.
 
-    Returns
-    -------
-    text : str
-        One sentence.
-
     """
     return (f'with stiffness_gain {stiffness_gain:g} K_hat needs over {_SLOWEST_S:g} s on walls '
             f'above {stiffest_wall(stiffness_gain):.3g} N/m pressed with {_USUAL_FORCE:g} N; '

@@ -96,11 +96,6 @@ class ReferenceModel:
         reference : Reference
             x_r with its derivatives, from now on.
 
-        Returns
-        -------
-        motion : Motion
-            Of the model now.
-
         """
         M, B, K, last = self._M, self._B, self._K, self._last
         if last is None:
@@ -148,11 +143,6 @@ class ModelFollowing:
     error : float
         x - x_m at the last sample [m].
 
-    Parameters
-    ----------
-    tuning : ModelFollowingParameters
-        Target, initial values and gains.
-
     """
 
     def __init__(self, tuning: ModelFollowingParameters) -> None:
@@ -173,11 +163,6 @@ class ModelFollowing:
         Set new tuning while running.
 
         New initial values replace the estimates of the arm, a new target restarts the model.
-
-        Parameters
-        ----------
-        tuning : ModelFollowingParameters
-            The new values.
 
         """
         old = self._p

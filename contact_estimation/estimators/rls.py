@@ -193,11 +193,6 @@ def initial_covariance(
     sample_period_s : float
         T [s].
 
-    Returns
-    -------
-    P : tuple of float
-        Upper triangle (KK, KB, KM, BB, BM, MM).
-
     """
     T = sample_period_s
     rows = (

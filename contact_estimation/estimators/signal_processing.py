@@ -27,11 +27,6 @@ class SignalProcessing(OfflineEstimator):
 
     Needs the force alone, of a step response that is under-damped.
 
-    Parameters
-    ----------
-    target : TargetImpedance
-        Impedance of the robot.
-
     """
 
     name = 'signal_processing'
@@ -75,20 +70,7 @@ def environment_of(w_n: float, zeta: float, target: TargetImpedance) -> tuple[fl
 
 
 def damping_ratio(cycles: float) -> float:
-    """
-    Return the damping ratio for a number of cycles to settle, eq. (11), the inverse of eq. (10).
-
-    Parameters
-    ----------
-    cycles : float
-        Fractions included.
-
-    Returns
-    -------
-    zeta : float
-        Damping ratio.
-
-    """
+    """Return the damping ratio for a number of cycles to settle, eq. (11)."""
     turns = 2.996 / (2.0 * pi)  # -ln(0.05) / 2 pi
     return turns / sqrt(cycles**2 + turns**2)
 
@@ -99,22 +81,12 @@ def step_response(
     """
     Return the step response in a recording, from the onset of the force on.
 
-    Parameters
-    ----------
-    recording : ContactRecording
-        With a step of the reference in contact.
-
     Returns
     -------
     t : ndarray, shape (N,)
         Time since the step [s].
     force : ndarray, shape (N,)
         Pressing force [N].
-
-    Raises
-    ------
-    EstimationError
-        If less than FFT_POINTS samples follow the step.
 
     """
     force = -recording.force

@@ -28,11 +28,6 @@ class SignalProcessingRefined(OfflineEstimator):
     form exactly. The free offset c absorbs a sensor bias; a robust loss reduces the influence of
     outliers. The linear c, a and b are eliminated (variable projection).
 
-    Parameters
-    ----------
-    target : TargetImpedance
-        Impedance of the robot, preferably identified.
-
     """
 
     name = 'signal_processing_refined'

@@ -103,22 +103,7 @@ class StiffnessMatrix:
         self._sums, self._moved = Sums.empty(), False
 
     def process(self, run: Sequence[AxesSample], contact: Sequence[bool]) -> list[MatrixEstimate]:
-        """
-        Process consecutive samples of the three axes.
-
-        Parameters
-        ----------
-        run : sequence of tuple of ContactSample
-            Samples of x, y and z with the same stamp.
-        contact : sequence of bool
-            Whether each is in contact.
-
-        Returns
-        -------
-        estimates : list of MatrixEstimate
-            One for every 50 samples that have come together.
-
-        """
+        """Process consecutive samples of the three axes."""
         estimates = []
         for axes, touching in zip(run, contact):
             if not touching:

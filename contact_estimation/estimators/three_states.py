@@ -15,15 +15,7 @@ Covariance = tuple[float, float, float, float, float, float]
 
 
 def diagonal(a: float, b: float, c: float) -> Covariance:
-    """
-    Return the covariance of independent states.
-
-    Parameters
-    ----------
-    a, b, c : float
-        Standard deviations.
-
-    """
+    """Return the covariance of independent states."""
     return a * a, 0.0, 0.0, b * b, 0.0, c * c
 
 
@@ -37,28 +29,6 @@ def correct(
     x <- x + g e, P <- P - g H P with g = P H^T / (H P H^T + R). A state that is not free is a
     consider state (Schmidt): its value and its covariance with other such states stay; its
     uncertainty reduces the gain of the free ones.
-
-    Parameters
-    ----------
-    x : tuple of float
-        States.
-    P : Covariance
-        Their covariance.
-    H : tuple of float
-        Derivatives of the measurement.
-    error : float
-        Measurement less its prediction.
-    variance : float
-        R, > 0.
-    free : tuple of bool
-        Which states are corrected.
-
-    Returns
-    -------
-    x, P : tuple of float, Covariance
-        Corrected.
-    expected : float
-        H P H^T + R before the correction.
 
     """
     aa, ab, ac, bb, bc, cc = P
@@ -96,19 +66,6 @@ def grow(P: Covariance, growth: State) -> Covariance:
     has beyond the others, its variance given them: scaling its covariances with them too would
     keep a correlation of the past, along which both then drift.
 
-    Parameters
-    ----------
-    P : Covariance
-        Of the states.
-    growth : tuple of float
-        Factor of the standard deviation of each state, >= 1; 1: not forgotten. Never that of c
-        alone.
-
-    Returns
-    -------
-    P : Covariance
-        Positive definite where the given one is.
-
     """
     aa, ab, ac, bb, bc, cc = P
     a, b, c = growth
@@ -137,22 +94,6 @@ def constrain(
     Project states onto limits of a linear combination of them, along their covariance.
 
     The others move consistently: x <- x - P n excess / (n^T P n).
-
-    Parameters
-    ----------
-    x : tuple of float
-        States.
-    P : Covariance
-        Their covariance.
-    normal : tuple of float
-        n of the combination n^T x.
-    low, high : float
-        Its limits.
-
-    Returns
-    -------
-    x : tuple of float
-        Within the limits, unless the combination has no variance.
 
     """
     n_a, n_b, n_c = normal

@@ -56,23 +56,7 @@ class Change(NamedTuple):
 
 
 def changes(entries: Sequence[Entry], seed: int = 0) -> list[Change]:
-    """
-    Find the changes of what is named.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        Numbered in time.
-    seed : int
-        Of the permutations.
-
-    Returns
-    -------
-    changes : list of Change
-        The significant ones, at most one for each group and family; those of the smallest chance
-        first.
-
-    """
+    """Find the changes of what is named."""
     candidates = []
     for group, members in by_group(entries).items():
         known = [entry for entry in distinct(members) if entry.report is not None]
@@ -89,20 +73,7 @@ def changes(entries: Sequence[Entry], seed: int = 0) -> list[Change]:
 
 
 def holm(chances: Sequence[float]) -> list[float]:
-    """
-    Correct p-values for their number (Holm 1979).
-
-    Parameters
-    ----------
-    chances : sequence of float
-        One for each test.
-
-    Returns
-    -------
-    corrected : list of float
-        In the same order.
-
-    """
+    """Correct p-values for their number (Holm 1979)."""
     order = np.argsort(chances)
     factors = len(chances) - np.arange(len(chances))
     raised = np.minimum(1.0, np.maximum.accumulate(np.asarray(chances)[order] * factors))

@@ -69,16 +69,6 @@ def differences(entries: Sequence[Entry]) -> list[Difference]:
     (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
     recordings do not resolve do not differ.
 
-    Parameters
-    ----------
-    entries : sequence of Entry
-        Numbered in time.
-
-    Returns
-    -------
-    differences : list of Difference
-        The smallest chance first.
-
     """
     groups = {group: known for group, members in by_group(entries).items()
               if len(known := [one for one in distinct(members) if one.report]) >= _LEAST}

@@ -44,31 +44,7 @@ class FoundRecording(NamedTuple):
 
 
 def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[FoundRecording]:
-    """
-    Find the recordings at the given paths.
-
-    Parameters
-    ----------
-    paths : sequence of str
-        `.mcap` files, rosbag2 folders, folders of both (searched with their subfolders), or
-        patterns such as `archive/**/*.mcap`.
-    group_by : str, optional
-        Regular expression, searched for in the path as found; its groups, joined by '/', name
-        the recording's group.
-
-    Returns
-    -------
-    found : list of FoundRecording
-        Each once, in natural order of their names: run_10 follows run_9.
-
-    Raises
-    ------
-    RecordingError
-        If a path does not exist, or holds no recording.
-    ParameterRangeError
-        If `group_by` is no regular expression with a group, or does not match a path.
-
-    """
+    """Find the recordings at the given paths."""
     pattern = None if group_by is None else _compiled(group_by)
     found: dict[str, FoundRecording] = {}
     for given in paths:
@@ -82,20 +58,7 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
 
 
 def passed_over(paths: Sequence[str]) -> list[str]:
-    """
-    Find the logs in given folders that are recordings of no kind that is searched for.
-
-    Parameters
-    ----------
-    paths : sequence of str
-        As of `find_recordings`.
-
-    Returns
-    -------
-    names : list of str
-        Tables, which may be anything and are read where they are named, and ROS 1 bags.
-
-    """
+    """Find the logs in given folders that are recordings of no kind that is searched for."""
     return [printable(file.as_posix()) for given in paths if os.path.isdir(given)
             for file in sorted(Path(given).rglob('*'))
             if (is_table(file) or file.suffix == '.bag') and file.is_file()]

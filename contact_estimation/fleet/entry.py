@@ -68,20 +68,7 @@ class Entry:
         return list(self.report['effects']) if self.report else []
 
     def corrected(self, name: str) -> tuple[float, float] | None:
-        """
-        Return a fitted parameter of the wall.
-
-        Parameters
-        ----------
-        name : str
-            'stiffness' or 'damping'.
-
-        Returns
-        -------
-        value, std : float
-            Of the corrected model; None where an effect replaces the parameter.
-
-        """
+        """Return a fitted parameter of the wall."""
         if self.report is None:
             return None
         found = self.report['corrected'][name]
@@ -91,20 +78,7 @@ class Entry:
 
 
 def distinct(entries: Iterable[Entry]) -> list[Entry]:
-    """
-    Leave out copies: the same content proves nothing a second time.
-
-    Parameters
-    ----------
-    entries : iterable of Entry
-        In time.
-
-    Returns
-    -------
-    entries : list of Entry
-        The first of each content, and all whose content could not be read.
-
-    """
+    """Leave out copies: the same content proves nothing a second time."""
     seen: dict[str, Entry] = {}
     for place, entry in enumerate(entries):
         seen.setdefault(entry.sha256 or f'unread {place}', entry)
@@ -112,22 +86,7 @@ def distinct(entries: Iterable[Entry]) -> list[Entry]:
 
 
 def in_time(entries: Iterable[Entry]) -> list[Entry]:
-    """
-    Sort recordings by their first stamps, and number them.
-
-    Parameters
-    ----------
-    entries : iterable of Entry
-        In any order.
-
-    Returns
-    -------
-    entries : list of Entry
-        Numbered from 1. Equal stamps, such as those of simulations, which start at 0, are ordered
-        by name; a recording without a stamp is placed midway between its neighbours by name
-        in its group.
-
-    """
+    """Sort recordings by their first stamps, and number them."""
     named = sorted(entries, key=_by_name)
     order = sorted(range(len(named)), key=lambda place: (_start(named, place), place))
     return [replace(named[place], number=number) for number, place in enumerate(order, 1)]

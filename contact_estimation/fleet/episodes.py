@@ -38,15 +38,7 @@ class Episodes:
         self._found: list[dict[str, Any]] = []
 
     def add(self, estimates: Iterable[Estimate]) -> None:
-        """
-        Take consecutive estimates.
-
-        Parameters
-        ----------
-        estimates : iterable of Estimate
-            Of the contact axis, in order.
-
-        """
+        """Take consecutive estimates."""
         for estimate in estimates:
             if self.first_ns is None:
                 self.first_ns = estimate.stamp_ns
@@ -90,32 +82,7 @@ def replay_episodes(
     path: str, source: RecordingSource, chosen: Mapping[str, Any],
     over: Mapping[str, Any] | None = None,
 ) -> Episodes:
-    """
-    Replay a recording.
-
-    Parameters
-    ----------
-    path : str
-        File or rosbag2 folder.
-    source : RecordingSource
-        Where and how it is read.
-    chosen : mapping of str to value
-        Parameters of the estimator that the recording does not hold; where it holds those of
-        the node, they are used instead.
-    over : mapping of str to value, optional
-        Parameters that take precedence over recorded ones.
-
-    Returns
-    -------
-    episodes : Episodes
-        Of the whole recording.
-
-    Raises
-    ------
-    ContactEstimationError
-        If the recording has no usable sample, or a parameter is not valid.
-
-    """
+    """Replay a recording."""
     reader = RecordingReader(path, source)
     recorded = from_metadata(reader.metadata())
     chosen = {name: value for name, value in chosen.items() if name not in recorded}

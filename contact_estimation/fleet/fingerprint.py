@@ -57,22 +57,7 @@ class Settings:
 
     @classmethod
     def of(cls, model: PlantParameters, **options: Any) -> 'Settings':
-        """
-        Return the settings for a model.
-
-        Parameters
-        ----------
-        model : PlantParameters
-            The nominal model.
-        **options
-            Further attributes.
-
-        Returns
-        -------
-        settings : Settings
-            Their model is a copy.
-
-        """
+        """Return the settings for a model."""
         return cls(dict(flatten(model)), **options)
 
     @property
@@ -91,22 +76,7 @@ class Settings:
         return _hash_of(dict(self.model))
 
     def key(self, task: str, *recordings: str) -> str:
-        """
-        Return what identifies a result.
-
-        Parameters
-        ----------
-        task : str
-            Such as 'recording'.
-        *recordings : str
-            Hashes of the recordings.
-
-        Returns
-        -------
-        key : str
-            Differs as soon as recording, model, version or an option does.
-
-        """
+        """Return what identifies a result."""
         return _hash_of([task, recordings, asdict(self)])
 
 
@@ -115,25 +85,7 @@ def _hash_of(data: Any) -> str:
 
 
 def recording_sha256(path: str) -> str:
-    """
-    Return the hash of a recording, read block by block.
-
-    Parameters
-    ----------
-    path : str
-        File or rosbag2 folder.
-
-    Returns
-    -------
-    sha256 : str
-        Of the content of the file; of a folder, of its files' names and contents.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-
-    """
+    """Return the hash of a recording, read block by block."""
     if not Path(path).is_dir():
         return file_sha256(Path(path))
     os.listdir(path)  # rglob passes over a folder that cannot be read

@@ -16,15 +16,7 @@ _RESULTS, _PAGES = 'finished', 'recordings'
 
 
 class Finished:
-    """
-    The finished results in the folder of a run.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the run; subfolders are created in it.
-
-    """
+    """The finished results in the folder of a run."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -32,22 +24,7 @@ class Finished:
             (folder / name).mkdir(parents=True, exist_ok=True)
 
     def get(self, key: str, with_page: bool) -> Outcome | None:
-        """
-        Return a finished result.
-
-        Parameters
-        ----------
-        key : str
-            Of `Settings.key`.
-        with_page : bool
-            Whether a diagnosis without its page counts as unfinished.
-
-        Returns
-        -------
-        outcome : dict or None
-            None if there is none.
-
-        """
+        """Return a finished result."""
         try:
             outcome: Outcome = json_content(self._file(key).read_text(encoding='utf-8'))
         except (FileNotFoundError, ValueError):
@@ -58,37 +35,14 @@ class Finished:
         return None if lacks_page else outcome
 
     def keep(self, key: str, result: Result) -> None:
-        """
-        Write a result atomically.
-
-        Parameters
-        ----------
-        key : str
-            Of `Settings.key`.
-        result : Result
-            Of a worker.
-
-        """
+        """Write a result atomically."""
         if result.page:
             write_whole(self._folder / _PAGES / _page_name(key), result.page.encode('utf-8'))
         text = json.dumps(result.outcome, allow_nan=False)
         write_whole(self._file(key), text.encode('utf-8'))
 
     def page(self, key: str) -> str:
-        """
-        Return the path of a diagnosis's page.
-
-        Parameters
-        ----------
-        key : str
-            Of `Settings.key`.
-
-        Returns
-        -------
-        path : str
-            Relative to the folder of the run; '' if there is none.
-
-        """
+        """Return the path of a diagnosis's page."""
         path = f'{_PAGES}/{_page_name(key)}'
         return path if (self._folder / path).exists() else ''
 
@@ -101,17 +55,7 @@ def _page_name(key: str) -> str:
 
 
 def write_whole(file: Path, data: bytes) -> None:
-    """
-    Write a file whole or not at all.
-
-    Parameters
-    ----------
-    file : Path
-        Replaced if it exists.
-    data : bytes
-        Its content.
-
-    """
+    """Write a file whole or not at all."""
     partial = file.with_name(file.name + '.partial')
     with open(partial, 'wb') as stream:
         stream.write(data)

@@ -49,24 +49,7 @@ class Result(NamedTuple):
 
 
 def process(path: str, settings: Settings, with_page: bool) -> Result:
-    """
-    Replay and diagnose a recording.
-
-    Parameters
-    ----------
-    path : str
-        File or rosbag2 folder, absolute.
-    settings : Settings
-        Model and options.
-    with_page : bool
-        Whether to write the diagnosis as a page, too.
-
-    Returns
-    -------
-    result : Result
-        `error` is '' unless a step failed; the results of the other steps are kept.
-
-    """
+    """Replay and diagnose a recording."""
     outcome: Outcome = {
         'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
         'diagnosed_s': None, 'report': None, 'error': '',
@@ -99,24 +82,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
 def process_pooled(
     paths: Sequence[str], held_out: Sequence[str], settings: Settings, with_page: bool
 ) -> Result:
-    """
-    Diagnose several recordings together: one law for all of them.
-
-    Parameters
-    ----------
-    paths, held_out : sequence of str
-        Recordings to fit, and those to test on.
-    settings : Settings
-        Model and options.
-    with_page : bool
-        Whether to write the diagnosis as a page, too.
-
-    Returns
-    -------
-    result : Result
-        Its outcome has `version`, `report` and `error` alone.
-
-    """
+    """Diagnose several recordings together: one law for all of them."""
     try:
         fitted, tested = ([read(path, settings) for path in some] for some in (paths, held_out))
         diagnosis = _diagnosed(fitted, settings, tested)
@@ -131,22 +97,7 @@ def process_pooled(
 
 
 def read(path: str, settings: Settings) -> Recording:
-    """
-    Read a recording for the diagnosis.
-
-    Parameters
-    ----------
-    path : str
-        File or rosbag2 folder.
-    settings : Settings
-        How to read it.
-
-    Returns
-    -------
-    recording : Recording
-        Its first samples, see `Settings.most_samples`.
-
-    """
+    """Read a recording for the diagnosis."""
     return read_recording(path, topics=settings.topics, axis=settings.axis,
                           joint=settings.joint, most_samples=settings.most_samples,
                           parameters=settings.parameters, **settings.reading)

@@ -63,24 +63,7 @@ class PooledResult(NamedTuple):
 
 
 def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[Pool]:
-    """
-    Choose the recordings of each group that are diagnosed together.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        Numbered in time.
-    found : sequence of Change
-        What changes in time.
-    most : int
-        Number of recordings of a group.
-
-    Returns
-    -------
-    pools : list of Pool
-        Without groups of fewer than 3 diagnosed recordings.
-
-    """
+    """Choose the recordings of each group that are diagnosed together."""
     chosen = []
     for group, members in by_group(entries).items():
         latest = max((change for change in found if change.group == group),
@@ -94,24 +77,7 @@ def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[
 
 
 def pooled_calls(pool: Pool, settings: Settings, with_page: bool) -> dict[str, Call]:
-    """
-    Return the diagnoses of a pool: the whole, then without each member in turn.
-
-    Parameters
-    ----------
-    pool : Pool
-        Of `pools`.
-    settings : Settings
-        Model and options.
-    with_page : bool
-        Whether to write a page of the whole.
-
-    Returns
-    -------
-    calls : dict of str to Call
-        By the key of the result, in that order.
-
-    """
+    """Return the diagnoses of a pool: the whole, then without each member in turn."""
     members = pool.members
     whole = settings.key('pooled', *(one.sha256 for one in members))
     calls = {whole: Call(process_pooled, ([one.path for one in members], [], settings,

@@ -67,32 +67,7 @@ def run_fleet(
     found: Sequence[FoundRecording], settings: Settings, workers: Workers, folder: Path, *,
     most_pooled: int, with_pages: bool, progress: Progress,
 ) -> Fleet:
-    """
-    Replay and diagnose the recordings of an archive.
-
-    Parameters
-    ----------
-    found : sequence of FoundRecording
-        Of `find_recordings`.
-    settings : Settings
-        Model and options.
-    workers : Workers
-        What runs the tasks.
-    folder : Path
-        Of the run: holds the finished results and the pages of the recordings.
-    most_pooled : int
-        Recordings of a group that are diagnosed together; 0 for none.
-    with_pages : bool
-        Whether to write the page of each diagnosis.
-    progress : callable
-        Called with the completed fraction and a text.
-
-    Returns
-    -------
-    fleet : Fleet
-        The same for the same recordings, whatever the workers.
-
-    """
+    """Replay and diagnose the recordings of an archive."""
     finished = Finished(folder)
     hashes, unreadable = _hashes(found, workers)
     keys = {one.path: settings.key('recording', hashes[one.path])

@@ -17,27 +17,7 @@ _NO_EPISODE = {'episode': 0}
 
 
 def as_parquet(entries: Sequence[Entry], model_sha256: str) -> bytes:
-    """
-    Return the table as the content of a Parquet file.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        In the order of the rows.
-    model_sha256 : str
-        Of the nominal model.
-
-    Returns
-    -------
-    data : bytes
-        The same for the same entries; the unit and meaning of each column in its metadata.
-
-    Raises
-    ------
-    MissingPackageError
-        If pyarrow is not installed.
-
-    """
+    """Return the table as the content of a Parquet file."""
     pyarrow = require_pyarrow()
     rows = [row for entry in entries for row in rows_of(entry, model_sha256)]
     table = pyarrow.Table.from_pylist(rows, schema=_schema(pyarrow))
@@ -47,20 +27,7 @@ def as_parquet(entries: Sequence[Entry], model_sha256: str) -> bytes:
 
 
 def require_pyarrow() -> Any:
-    """
-    Import pyarrow.
-
-    Returns
-    -------
-    pyarrow : module
-        As installed.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed, or does not fit to the installed numpy.
-
-    """
+    """Import pyarrow."""
     try:
         import pyarrow
     except ModuleNotFoundError as error:
@@ -73,23 +40,7 @@ def require_pyarrow() -> Any:
 
 
 def rows_of(entry: Entry, model_sha256: str) -> Iterator[dict[str, Any]]:
-    """
-    Yield the rows of a recording.
-
-    Parameters
-    ----------
-    entry : Entry
-        The recording and its results.
-    model_sha256 : str
-        Of the nominal model.
-
-    Yields
-    ------
-    row : dict
-        Value by name of the column, one row for each episode; one without episode if there is
-        none.
-
-    """
+    """Yield the rows of a recording."""
     outcome, report = entry.outcome, entry.outcome['report']
     common = {
         'recording': entry.name, 'group': entry.group, 'number': entry.number,

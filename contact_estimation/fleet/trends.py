@@ -61,38 +61,12 @@ class Trend(NamedTuple):
     significant: bool
 
     def percent(self, slope: float) -> float:
-        """
-        Convert a slope.
-
-        Parameters
-        ----------
-        slope : float
-            One of `slope`, `low`, `high`, `per_day`.
-
-        Returns
-        -------
-        percent : float
-            Of the line's value at the first recording.
-
-        """
+        """Convert a slope."""
         return 100.0 * slope / abs(self.intercept + self.slope * float(self.numbers[0]))
 
 
 def trends(entries: Sequence[Entry]) -> list[Trend]:
-    """
-    Fit the trends of all groups.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        Numbered in time.
-
-    Returns
-    -------
-    trends : list of Trend
-        By group, then quantity; without groups that have no value of it.
-
-    """
+    """Fit the trends of all groups."""
     groups = by_group(entries)
     count = len(groups) * len(QUANTITIES)
     found = [_trend(group, quantity, members, count)
@@ -101,41 +75,12 @@ def trends(entries: Sequence[Entry]) -> list[Trend]:
 
 
 def is_resolved(change: float, stds: Array) -> bool:
-    """
-    Return whether a change is more than what single recordings leave open.
-
-    Parameters
-    ----------
-    change : float
-        Of a parameter.
-    stds : ndarray
-        Its standard deviation in each recording. These include errors of the model, which many
-        recordings share, so that their number does not reduce them.
-
-    Returns
-    -------
-    resolved : bool
-        Whether it is over two of their median.
-
-    """
+    """Return whether a change is more than what single recordings leave open."""
     return abs(change) > _RESOLVED * float(np.median(stds))
 
 
 def by_group(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
-    """
-    Sort recordings into their groups.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        Numbered in time.
-
-    Returns
-    -------
-    groups : dict of str to list of Entry
-        In the order of the groups' names, each in time.
-
-    """
+    """Sort recordings into their groups."""
     return {group: [entry for entry in entries if entry.group == group]
             for group in sorted({entry.group for entry in entries})}
 

@@ -67,13 +67,6 @@ def gruenwald_weights(alpha: float, count: int) -> Array:
     """
     Return (-1)^k binom(alpha, k).
 
-    Parameters
-    ----------
-    alpha : float
-        Order of the derivative.
-    count : int
-        Number of weights.
-
     Returns
     -------
     weights : ndarray, shape (count,)

@@ -64,21 +64,6 @@ class JkrAdhesion(ContactLaw):
 
 
 def jkr_curve(radius: Array) -> tuple[Array, Array]:
-    """
-    Return the curve of Johnson, Kendall and Roberts.
-
-    Parameters
-    ----------
-    radius : ndarray
-        Contact radius in units of that without load.
-
-    Returns
-    -------
-    depth : ndarray
-        Approach in units of its magnitude at separation.
-    force : ndarray
-        Force in units of the greatest pull, positive while pressing.
-
-    """
+    """Return the curve of Johnson, Kendall and Roberts."""
     root = np.sqrt(radius)
     return _CUBE_ROOT_6 * (2.0 * radius**2 - 4.0 / 3.0 * root), 4.0 * (radius**3 - radius * root)

@@ -30,13 +30,6 @@ class ArmDynamics:
     Joints of the description that are not named are locked at 0. Featherstone, Rigid Body Dynamics
     Algorithms, 2008, chapter 5.
 
-    Parameters
-    ----------
-    urdf : str
-        Robot description (the text of a URDF file).
-    joints : sequence of str, optional
-        The n joints that move, in any order; all by default.
-
     Attributes
     ----------
     joints, links : tuple of str
@@ -46,15 +39,6 @@ class ArmDynamics:
         belongs to the link below.
     model, data : pinocchio.Model, pinocchio.Data
         As of Pinocchio.
-
-    Raises
-    ------
-    MissingPackageError
-        If Pinocchio is not installed.
-    ModelFileError
-        If the text is no URDF, or its joints have more than one degree of freedom.
-    UnknownNameError
-        If a joint is not in the description.
 
     """
 

@@ -57,16 +57,6 @@ def read_blocks(
     base : str
         Link in whose axes the wrench is expressed; '' for those of the sensor.
 
-    Returns
-    -------
-    blocks : CalibrationBlocks
-        Of 0.1 s each, those without joint states left out.
-
-    Raises
-    ------
-    RecordingError
-        If topics or joints are missing or do not overlap in time.
-
     """
     wrench_ns, wrench, joints = _read(reader, source, model.joint_names)
     begin = max(wrench_ns[0], *(times[0] for times, _ in joints))

@@ -113,11 +113,6 @@ class ContactKinematics:
     sensor : str
         Link in whose axes the wrench is measured, see `use_sensor`; '' before.
 
-    Raises
-    ------
-    ContactEstimationError
-        If a parameter does not fit the model.
-
     """
 
     def __init__(
@@ -159,11 +154,6 @@ class ContactKinematics:
         offset : ndarray, shape (3,), optional
             Origin of the sensor in that link [m]; that of the link by default.
 
-        Raises
-        ------
-        UnknownNameError, ModelFileError
-            If it is none, or joints outside the chain move it.
-
         """
         fixed = self.model.in_tip(frame)
         self._axes = self._mount if mounting is None else mounting @ self._mount
@@ -175,20 +165,7 @@ class ContactKinematics:
         self.sensor = frame
 
     def contact(self, sample: ArmSample) -> ContactSample:
-        """
-        Return motion and force along the normal.
-
-        Parameters
-        ----------
-        sample : ArmSample
-            Joints and wrench at one instant.
-
-        Returns
-        -------
-        sample : ContactSample
-            Velocity NaN where that of a joint is not measured.
-
-        """
+        """Return motion and force along the normal."""
         stamp_ns, motion, measured = sample
         R, p, x, v = self.motion(motion)
         R_sensor = self._sensor_axes(motion, R, p)
@@ -201,11 +178,6 @@ class ContactKinematics:
     def components(self, place: int) -> tuple[float, float, float]:
         """
         Return the force of the last sample in axes of the wall.
-
-        Parameters
-        ----------
-        place : int
-            Of the component along the normal, 0 to 2.
 
         Returns
         -------
@@ -221,11 +193,6 @@ class ContactKinematics:
     def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
         """
         Return the pose of the tip, and x and v of the contact.
-
-        Parameters
-        ----------
-        motion : sequence of float
-            As of `ArmSample`.
 
         Returns
         -------
@@ -292,15 +259,7 @@ def axes_of_wall(normal: Array) -> Array:
 
 
 def unit_normal(contact: ContactParameters) -> Array:
-    """
-    Return the direction of `contact.normal`, shape (3,).
-
-    Raises
-    ------
-    ParameterRangeError
-        If it has no direction.
-
-    """
+    """Return the direction of `contact.normal`, shape (3,)."""
     length = float(np.linalg.norm(contact.normal))
     if not length > 1e-6:
         raise ParameterRangeError(

@@ -50,20 +50,7 @@ class FrameTree:
         self.moving: dict[str, str] = {}
 
     def add_fixed(self, transforms: Iterable[StampedTransform]) -> bool:
-        """
-        Add transforms of /tf_static.
-
-        Parameters
-        ----------
-        transforms : iterable of StampedTransform
-            Their stamps have no meaning; a pose that is not finite is left out.
-
-        Returns
-        -------
-        news : bool
-            Whether the tree has changed.
-
-        """
+        """Add transforms of /tf_static."""
         news = False
         for _, parent, child, pose in transforms:
             if not usable(pose):
@@ -94,21 +81,7 @@ class FrameTree:
         return frames
 
     def path(self, base: str, frame: str) -> list[Step] | None:
-        """
-        Return the steps from a base to a frame.
-
-        Parameters
-        ----------
-        base, frame : str
-            Frames.
-
-        Returns
-        -------
-        steps : list of Step or None
-            Their product is the pose of the frame in the base; fixed steps next to each other are
-            one. None where nothing connects the frames.
-
-        """
+        """Return the steps from a base to a frame."""
         to_base, to_frame = self.above(base), self.above(frame)
         common = next((name for name in to_base if name in to_frame), None)
         if common is None:
@@ -128,22 +101,7 @@ class FrameTree:
         return here, pose
 
     def anchor(self, frame: str, known: Collection[str]) -> tuple[str, Pose] | None:
-        """
-        Return a known frame that fixed steps connect with a frame, and the pose in it.
-
-        Parameters
-        ----------
-        frame : str
-            A frame that is not known.
-        known : collection of str
-            Such as the links of a robot description.
-
-        Returns
-        -------
-        anchor, pose : str, sequence of float, or None
-            That with the fewest steps; None where there is none.
-
-        """
+        """Return a known frame that fixed steps connect with a frame, and the pose in it."""
         found = []
         for other in (set(self.fixed) | {entry[0] for entry in self.fixed.values()}) & set(known):
             steps = self.path(other, frame) or []

@@ -12,22 +12,7 @@ _TURNING = ('revolute', 'continuous')
 
 
 def turning_joint(description: str, names: Sequence[str]) -> str:
-    """
-    Return a joint whose positions are angles.
-
-    Parameters
-    ----------
-    description : str
-        URDF.
-    names : sequence of str
-        Joints to look at; an empty name is the only joint that moves.
-
-    Returns
-    -------
-    name : str
-        The first of them that turns; '' where none does, or the text is no URDF.
-
-    """
+    """Return a joint whose positions are angles."""
     try:
         root = ElementTree.fromstring(description)
     except ElementTree.ParseError:

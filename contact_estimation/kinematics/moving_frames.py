@@ -53,11 +53,6 @@ class MovingFrames:
         """
         Add the transforms of a message.
 
-        Parameters
-        ----------
-        transforms : iterable of StampedTransform
-            Those of other frames, older ones and such that are not finite are passed over.
-
         Returns
         -------
         rows : list of (int, tuple of float)

@@ -30,22 +30,7 @@ def rotated(pose: Pose, x: float, y: float, z: float) -> tuple[float, float, flo
 
 
 def product(first: Pose, second: Pose) -> Pose:
-    """
-    Return the pose of a frame in the grandparent.
-
-    Parameters
-    ----------
-    first : sequence of float
-        Pose of the parent in the grandparent.
-    second : sequence of float
-        Pose of the child in the parent.
-
-    Returns
-    -------
-    pose : tuple of float
-        Of the child in the grandparent.
-
-    """
+    """Return the pose of a frame in the grandparent."""
     x, y, z = rotated(first, second[0], second[1], second[2])
     a, b, c, d = first[3], first[4], first[5], first[6]
     e, f, g, h = second[3], second[4], second[5], second[6]

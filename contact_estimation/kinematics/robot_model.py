@@ -25,13 +25,6 @@ class RobotModel:
     Joints of the description that do not move the tip relative to the base (fingers, a second arm)
     need not be known and do not appear.
 
-    Parameters
-    ----------
-    urdf : str
-        Robot description (the text of a URDF file).
-    base, tip : str
-        Links; `base` carries the chain.
-
     Attributes
     ----------
     base, tip : str
@@ -43,15 +36,6 @@ class RobotModel:
         2 pi.
     root_axes : ndarray, shape (3, 3)
         Axes of the base in the root of the description, whose z points up.
-
-    Raises
-    ------
-    MissingPackageError
-        If Pinocchio is not installed.
-    ModelFileError
-        If the text is no URDF, or no joint moves the tip relative to the base.
-    UnknownNameError
-        If a link is not in the description.
 
     """
 
@@ -131,13 +115,6 @@ class RobotModel:
         p : ndarray, shape (3,)
             Its origin [m].
 
-        Raises
-        ------
-        UnknownNameError
-            If the link is not in the description.
-        ModelFileError
-            If joints outside the chain move the frame.
-
         """
         place = self._tip if frame is None else self._place(frame)
         self._library.forwardKinematics(self._model, self._data, self._configuration(q))
@@ -191,11 +168,6 @@ class RobotModel:
             J q_dot is the velocity of the frame's origin [m/s], then its angular velocity
             [rad/s].
 
-        Raises
-        ------
-        UnknownNameError, ModelFileError
-            As `pose`.
-
         """
         place = self._tip if frame is None else self._place(frame)
         J = self._library.computeFrameJacobian(
@@ -206,20 +178,10 @@ class RobotModel:
         """
         Return the pose of a frame that is fixed to the tip.
 
-        Parameters
-        ----------
-        frame : str
-            A link.
-
         Returns
         -------
         R, p : ndarray, shapes (3, 3) and (3,), or None
             Its axes and origin [m] in the tip's frame; None where a joint lies between them.
-
-        Raises
-        ------
-        UnknownNameError, ModelFileError
-            As `pose`.
 
         """
         other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))

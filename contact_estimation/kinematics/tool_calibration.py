@@ -93,28 +93,7 @@ class ToolCalibration:
 
 
 def calibrate_tool(blocks: CalibrationBlocks, force_sign: float = 1.0) -> ToolCalibration:
-    """
-    Fit mass, centre of gravity and biases.
-
-    Parameters
-    ----------
-    blocks : CalibrationBlocks
-        Of poses, or of slow motion, in free flight.
-    force_sign : float
-        By which the wrenches have been multiplied; an error names it.
-
-    Returns
-    -------
-    calibration : ToolCalibration
-        Values and standard deviations.
-
-    Raises
-    ------
-    EstimationError
-        If the motion is fast throughout, poses are too few or too much alike, the wrenches are
-        no tool's weight, or the mass is negative.
-
-    """
+    """Fit mass, centre of gravity and biases."""
     slow = np.flatnonzero(blocks.slow)
     if len(slow) < 4 * _BLOCKS_OF_POSE:
         raise EstimationError(

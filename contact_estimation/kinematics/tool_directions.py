@@ -26,11 +26,6 @@ def require_directions(f: Array) -> None:
     f : ndarray, shape (N, 3)
         Weight per mass in the sensor's frame [m/s^2].
 
-    Raises
-    ------
-    EstimationError
-        If it does not; the text says along which directions gravity must point in addition.
-
     """
     directions = f / np.linalg.norm(f, axis=1, keepdims=True)
     mean = directions.mean(axis=0)

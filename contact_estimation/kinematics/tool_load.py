@@ -131,11 +131,6 @@ def load_map(tool: ToolParameters) -> tuple[Array, Array]:
     """
     Return the load as an affine function of f, for compensation sample by sample.
 
-    Parameters
-    ----------
-    tool : ToolParameters
-        Of the sensor.
-
     Returns
     -------
     L : ndarray, shape (6, 3)
@@ -155,15 +150,6 @@ def tool_wrench(
 ) -> Array:
     """
     Compute what a sensor reads that nothing touches.
-
-    Parameters
-    ----------
-    tool : ToolParameters
-        Of the sensor.
-    R, acceleration
-        As in `specific_force`.
-    w, alpha
-        As in `load_regressor`.
 
     Returns
     -------

@@ -25,13 +25,6 @@ class TransformModel:
     It stands in place of a `RobotModel`: q are the poses of the moving frames of the chain, 7
     numbers each, as `MovingFrames` gives them. Velocities are not known.
 
-    Parameters
-    ----------
-    tree : FrameTree
-        In which the frames are connected.
-    base, tip : str
-        Frames.
-
     Attributes
     ----------
     base, tip : str
@@ -42,11 +35,6 @@ class TransformModel:
         Highest frame that static transforms connect with the base; its z points up.
     root_axes : ndarray, shape (3, 3)
         Axes of the base in it.
-
-    Raises
-    ------
-    ModelFileError
-        If transforms do not connect the frames, or none of them moves.
 
     """
 
@@ -90,13 +78,6 @@ class TransformModel:
         R, p : ndarray, shapes (3, 3) and (3,)
             Its axes as columns, and its origin [m].
 
-        Raises
-        ------
-        UnknownNameError
-            If the frame is not connected.
-        ModelFileError
-            If a frame that is not in the chain moves it.
-
         """
         pose = self._product(self._steps_to(frame or self.tip), np.asarray(q).tolist())
         return matrix_of(pose), np.array(pose[:3])
@@ -112,21 +93,11 @@ class TransformModel:
         """
         Return the pose of a frame that is fixed to the tip.
 
-        Parameters
-        ----------
-        frame : str
-            A frame.
-
         Returns
         -------
         R, p : ndarray, shapes (3, 3) and (3,), or None
             Its axes and origin [m] in the tip's frame; None where a moving frame lies between
             them.
-
-        Raises
-        ------
-        UnknownNameError, ModelFileError
-            As `pose`.
 
         """
         self._steps_to(frame)

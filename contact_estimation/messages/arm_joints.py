@@ -38,25 +38,7 @@ class ArmReading(NamedTuple):
 
 
 def decode_arm(raw: bytes) -> ArmReading:
-    """
-    Read sensor_msgs/msg/JointState with all joints.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    reading : ArmReading
-        What it holds.
-
-    Raises
-    ------
-    MessageError
-        If the bytes are no such message.
-
-    """
+    """Read sensor_msgs/msg/JointState with all joints."""
     try:
         cursor = CdrCursor(raw)
         order = cursor.byte_order

@@ -35,11 +35,6 @@ class CdrCursor:
     """
     Walk over the fields of one message.
 
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
     Attributes
     ----------
     byte_order : str
@@ -47,11 +42,6 @@ class CdrCursor:
     fixed : list of tuple of int
         Begin and end of the bytes passed so far on which the places of later fields depend:
         encapsulation, texts and lengths.
-
-    Raises
-    ------
-    ValueError
-        If the bytes are not plain CDR; from the methods, if the message ends within a field.
 
     """
 
@@ -108,19 +98,7 @@ class CdrCursor:
 
 
 class StampedLayout:
-    """
-    Places of the numbers in all messages that agree in size and fixed bytes.
-
-    Parameters
-    ----------
-    cursor : CdrCursor
-        At the end of a message that begins with a header.
-    frame_id : str
-        Frame of the header.
-    offsets : sequence of int or None
-        Where the wanted float64 begin; None reads NaN.
-
-    """
+    """Places of the numbers in all messages that agree in size and fixed bytes."""
 
     def __init__(self, cursor: CdrCursor, frame_id: str, offsets: Sequence[int | None]) -> None:
         self.frame_id = frame_id
@@ -150,20 +128,7 @@ class StampedLayout:
             self._mask[begin:end] = 0xFF
 
     def read(self, raw: bytes) -> tuple[Any, ...] | None:
-        """
-        Read one message of the layout's size.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        values : tuple or None
-            Seconds, nanoseconds, frame and the wanted numbers; None if the layout does not fit.
-
-        """
+        """Read one message of the layout's size."""
         values = self._unpack(raw)
         if self._fixed(values) != self._expected:
             return None
@@ -172,11 +137,6 @@ class StampedLayout:
     def read_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
         Read many messages at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
 
         Returns
         -------
@@ -198,18 +158,7 @@ class StampedLayout:
 
 
 class StampedReader:
-    """
-    Read numbers of messages that begin with a header.
-
-    Parameters
-    ----------
-    type_name : str
-        Such as 'geometry_msgs/msg/WrenchStamped', for errors.
-    offsets_of : callable
-        Takes a cursor behind the header, passes over all further fields, calls `finish` and
-        returns the offsets of the wanted numbers.
-
-    """
+    """Read numbers of messages that begin with a header."""
 
     def __init__(
         self, type_name: str, offsets_of: Callable[[CdrCursor], Sequence[int | None]]
@@ -219,25 +168,7 @@ class StampedReader:
         self._layouts: dict[int, StampedLayout] = {}  # by size of the message
 
     def read(self, raw: bytes) -> tuple[Any, ...]:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        values : tuple
-            Seconds, nanoseconds, frame and the wanted numbers, NaN where absent.
-
-        Raises
-        ------
-        MessageError
-            If the message is malformed or `offsets_of` refuses it.
-
-        """
+        """Read one message."""
         layout = self._layouts.get(len(raw))
         values = layout.read(raw) if layout is not None else None
         return values or self._new_layout(raw).read(raw)  # type: ignore[return-value]
@@ -245,11 +176,6 @@ class StampedReader:
     def read_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
         Read many messages of one frame at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
 
         Returns
         -------

@@ -36,25 +36,7 @@ class DiagnosticReading(NamedTuple):
 
 
 def decode_diagnostics(raw: bytes) -> list[DiagnosticReading]:
-    """
-    Read diagnostic_msgs/msg/DiagnosticArray.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    statuses : list of DiagnosticReading
-        In the order of the message.
-
-    Raises
-    ------
-    MessageError
-        With reason 'malformed'.
-
-    """
+    """Read diagnostic_msgs/msg/DiagnosticArray."""
     try:
         cursor = CdrCursor(raw)
         cursor.skip(8, 4)  # stamp

@@ -24,15 +24,7 @@ _ONE = (1).to_bytes(4, 'little')  # length of a sequence of one element
 
 
 class Vector3StampedEncoder:
-    """
-    Write geometry_msgs/msg/Vector3Stamped.
-
-    Parameters
-    ----------
-    frame_id : str
-        Frame of all messages.
-
-    """
+    """Write geometry_msgs/msg/Vector3Stamped."""
 
     def __init__(self, frame_id: str) -> None:
         self._frame = _aligned(_text(frame_id), 8)
@@ -44,15 +36,7 @@ class Vector3StampedEncoder:
 
 
 class WrenchEncoder:
-    """
-    Write geometry_msgs/msg/WrenchStamped with zero torque.
-
-    Parameters
-    ----------
-    frame_id : str
-        Frame of all messages.
-
-    """
+    """Write geometry_msgs/msg/WrenchStamped with zero torque."""
 
     def __init__(self, frame_id: str) -> None:
         self._force = Vector3StampedEncoder(frame_id)
@@ -63,15 +47,7 @@ class WrenchEncoder:
 
 
 class ForceTorqueEncoder:
-    """
-    Write geometry_msgs/msg/WrenchStamped.
-
-    Parameters
-    ----------
-    frame_id : str
-        Frame of all messages.
-
-    """
+    """Write geometry_msgs/msg/WrenchStamped."""
 
     def __init__(self, frame_id: str) -> None:
         self._force = Vector3StampedEncoder(frame_id)
@@ -83,19 +59,7 @@ class ForceTorqueEncoder:
 
 
 class JointStateEncoder:
-    """
-    Write sensor_msgs/msg/JointState of one joint, without effort.
-
-    Parameters
-    ----------
-    frame_id : str
-        Frame of all messages.
-    joint : str
-        Name of the joint.
-    with_velocity : bool
-        If False, the velocity is left empty.
-
-    """
+    """Write sensor_msgs/msg/JointState of one joint, without effort."""
 
     def __init__(self, frame_id: str, joint: str, with_velocity: bool) -> None:
         self._head = _aligned(_head(frame_id, joint) + _ONE, 8)
@@ -112,17 +76,7 @@ class JointStateEncoder:
 
 
 class TrajectoryEncoder:
-    """
-    Write trajectory_msgs/msg/JointTrajectory with one point, due at its stamp, of one joint.
-
-    Parameters
-    ----------
-    frame_id : str
-        Frame of all messages.
-    joint : str
-        Name of the joint.
-
-    """
+    """Write trajectory_msgs/msg/JointTrajectory with one point, due at its stamp, of one joint."""
 
     def __init__(self, frame_id: str, joint: str) -> None:
         self._head = _aligned(_head(frame_id, joint) + _ONE + _ONE, 8)
@@ -145,17 +99,7 @@ class TrajectoryEncoder:
 
 
 class JointRowEncoder:
-    """
-    Write several joints as sensor_msgs/msg/JointState or trajectory_msgs/msg/JointTrajectory.
-
-    Parameters
-    ----------
-    joints : sequence of str
-        Names of n joints.
-    trajectory : bool
-        Whether to write a trajectory of one point, due at its stamp.
-
-    """
+    """Write several joints as JointState or JointTrajectory."""
 
     def __init__(self, joints: Sequence[str], trajectory: bool) -> None:
         count = len(joints)
@@ -188,11 +132,6 @@ def encode_arm(
     position, velocity, effort : ndarray, shape (n,) or (0,)
         Empty for what is not published.
 
-    Returns
-    -------
-    raw : bytes
-        CDR with its encapsulation header.
-
     """
     data = _head('', *names)
     for values in (position, velocity, effort):
@@ -215,22 +154,7 @@ def encode_float64(value: float) -> bytes:
 def encode_multi_array(
     dimensions: Sequence[tuple[str, int]], values: Sequence[float]
 ) -> bytes:
-    """
-    Return a std_msgs/msg/Float64MultiArray.
-
-    Parameters
-    ----------
-    dimensions : sequence of (str, int)
-        Label and size of each, the outermost first.
-    values : sequence of float
-        Row by row.
-
-    Returns
-    -------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    """
+    """Return a std_msgs/msg/Float64MultiArray."""
     layout, stride = len(dimensions).to_bytes(4, 'little'), len(values)
     for label, size in dimensions:
         layout = _aligned(_aligned(layout, 4) + _text(label), 4) + _PAIR.pack(size, stride)

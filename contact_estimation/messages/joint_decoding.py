@@ -14,15 +14,7 @@ from ..exceptions import MessageError
 
 
 class SeveralJointsDecoder:
-    """
-    Read several joints of sensor_msgs/msg/JointState.
-
-    Parameters
-    ----------
-    joints : sequence of str
-        Names of the joints, at least one; '' is the only joint of the message.
-
-    """
+    """Read several joints of sensor_msgs/msg/JointState."""
 
     def __init__(self, joints: Sequence[str]) -> None:
         offsets_of = partial(_joint_state_offsets, joints)
@@ -32,21 +24,11 @@ class SeveralJointsDecoder:
         """
         Read one message.
 
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
         Returns
         -------
         stamp_ns, positions, velocities : int, tuple of float, tuple of float
             Stamp [ns], positions [m] and velocities [m/s] in the order of the joints, NaN for
             velocities that the message does not have.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed', 'joint_empty', 'joint_unknown' or 'joint_ambiguous'.
 
         """
         values = self._reader.read(raw)
@@ -55,11 +37,6 @@ class SeveralJointsDecoder:
     def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, Any, Any] | None:
         """
         Read many messages at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
 
         Returns
         -------
@@ -73,79 +50,27 @@ class SeveralJointsDecoder:
 
 
 class JointStateDecoder:
-    """
-    Read one joint of sensor_msgs/msg/JointState.
-
-    Parameters
-    ----------
-    joint : str
-        Name of the joint; '' is the only joint of the message.
-
-    """
+    """Read one joint of sensor_msgs/msg/JointState."""
 
     def __init__(self, joint: str = '') -> None:
         offsets_of = partial(_joint_state_offsets, (joint,))
         self._reader = StampedReader('sensor_msgs/msg/JointState', offsets_of)
 
     def decode(self, raw: bytes) -> JointReading:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        reading : JointReading
-            Velocity is NaN where the message has none.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed', 'joint_empty', 'joint_unknown' or 'joint_ambiguous'.
-
-        """
+        """Read one message."""
         sec, nanosec, _, position, velocity = self._reader.read(raw)
         return JointReading(sec * NS_PER_S + nanosec, position, velocity)
 
 
 class TrajectoryDecoder:
-    """
-    Read one joint of the first point of trajectory_msgs/msg/JointTrajectory.
-
-    Parameters
-    ----------
-    joint : str
-        Name of the joint; '' is the only joint of the message.
-
-    """
+    """Read one joint of the first point of trajectory_msgs/msg/JointTrajectory."""
 
     def __init__(self, joint: str = '') -> None:
         offsets_of = partial(_trajectory_offsets, joint)
         self._reader = StampedReader('trajectory_msgs/msg/JointTrajectory', offsets_of)
 
     def decode(self, raw: bytes) -> TrajectoryReading:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        reading : TrajectoryReading
-            NaN for what the first point does not have.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed', 'trajectory_empty', 'joint_unknown' or 'joint_ambiguous'.
-
-        """
+        """Read one message."""
         sec, nanosec, _, *point = self._reader.read(raw)
         return TrajectoryReading(sec * NS_PER_S + nanosec, *point)
 

@@ -15,25 +15,7 @@ STRING_TYPE = 'std_msgs/msg/String'
 
 
 def decode_float64(raw: bytes) -> float:
-    """
-    Read std_msgs/msg/Float64.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    value : float
-        Content of the message.
-
-    Raises
-    ------
-    MessageError
-        With reason 'malformed'.
-
-    """
+    """Read std_msgs/msg/Float64."""
     try:
         cursor = CdrCursor(raw)
         (begin,) = cursor.doubles(1)
@@ -44,25 +26,7 @@ def decode_float64(raw: bytes) -> float:
 
 
 def decode_string(raw: bytes) -> str:
-    """
-    Read std_msgs/msg/String.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    text : str
-        Content of the message.
-
-    Raises
-    ------
-    MessageError
-        With reason 'malformed'.
-
-    """
+    """Read std_msgs/msg/String."""
     try:
         cursor = CdrCursor(raw)
         text = cursor.text()

@@ -13,15 +13,7 @@ from ..exceptions import MessageError
 
 
 class SomeJointsDecoder:
-    """
-    Read those of several joints that a sensor_msgs/msg/JointState has.
-
-    Parameters
-    ----------
-    joints : sequence of str
-        Names of the joints.
-
-    """
+    """Read those of several joints that a sensor_msgs/msg/JointState has."""
 
     def __init__(self, joints: Sequence[str]) -> None:
         offsets_of = partial(_present_joint_offsets, joints)
@@ -31,21 +23,11 @@ class SomeJointsDecoder:
         """
         Read one message.
 
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
         Returns
         -------
         stamp_ns, positions, velocities : int, tuple of float, tuple of float
             Stamp [ns], positions [rad] or [m] and velocities in the order of the joints, NaN for
             what the message does not have.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed', or 'joint_unknown' if the message has none of the joints.
 
         """
         values = self._reader.read(raw)

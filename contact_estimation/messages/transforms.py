@@ -43,25 +43,7 @@ class TransformsDecoder:
         self._layouts: dict[int, list[_Layout]] = {}  # by size of the message
 
     def decode(self, raw: bytes) -> list[StampedTransform]:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        transforms : list of StampedTransform
-            In the order of the message.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
-
-        """
+        """Read one message."""
         for layout in self._layouts.get(len(raw), ()):
             transforms = layout.read(raw)
             if transforms is not None:

@@ -27,36 +27,13 @@ class WrenchDecoder:
         self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _wrench_offsets)
 
     def decode(self, raw: bytes) -> WrenchReading:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        reading : WrenchReading
-            Stamp, frame and force.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
-
-        """
+        """Read one message."""
         sec, nanosec, self.frame_id, x, y, z = self._reader.read(raw)
         return WrenchReading(sec * NS_PER_S + nanosec, self.frame_id, x, y, z)
 
     def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
         Read many messages of one frame at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
 
         Returns
         -------
@@ -90,20 +67,10 @@ class ForceTorqueDecoder:
         """
         Read one message.
 
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
         Returns
         -------
         stamp_ns, wrench : int, tuple of float
             Stamp [ns]; force [N] and torque [N m] along x, y and z.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
 
         """
         sec, nanosec, self.frame_id, *wrench = self._reader.read(raw)
@@ -120,20 +87,10 @@ class Vector3StampedDecoder:
         """
         Read one message.
 
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
         Returns
         -------
         stamp_ns, x, y, z : int, float, float, float
             Stamp [ns] and vector.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
 
         """
         sec, nanosec, _, x, y, z = self._reader.read(raw)

@@ -17,29 +17,7 @@ KNOWN_NODES = ('estimator_node', 'plant_node', 'recorder_node')
 
 
 def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
-    """
-    Read the parameters of one node.
-
-    Parameters
-    ----------
-    path : Path or str
-        A YAML file with `NODE: {ros__parameters: {...}}`.
-    node : str
-        Name of the node; the section `/**` applies to every node.
-
-    Returns
-    -------
-    parameters : dict
-        Dotted name to value; empty where the file has no section for the node.
-
-    Raises
-    ------
-    ModelFileError
-        If the file is missing or has another structure.
-    UnknownNameError
-        If the file has a section for an unknown node, which would have no effect.
-
-    """
+    """Read the parameters of one node."""
     content = _load(Path(path))
     for section in content:
         if str(section).strip('/') not in KNOWN_NODES and section != ANY_NODE:

@@ -18,24 +18,7 @@ _INDENT = '  '
 
 
 def parameter_file(node: str, title: str, groups: Sequence[ParameterGroup]) -> str:
-    """
-    Write a ROS 2 parameter file.
-
-    Parameters
-    ----------
-    node : str
-        Name of the node; `/**` for every name and namespace.
-    title : str
-        Comment at the top of the file.
-    groups : sequence of ParameterGroup
-        Values of all parameters of the node.
-
-    Returns
-    -------
-    text : str
-        YAML; above each value a comment with meaning, unit and range.
-
-    """
+    """Write a ROS 2 parameter file."""
     lines = [*_comment(title, ''), f'{node}:', f'{_INDENT}ros__parameters:']
     for values in groups:
         lines += _group_lines(values, 2 * _INDENT)

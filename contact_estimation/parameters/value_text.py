@@ -14,38 +14,12 @@ _LARGE = 1e6  # from here on zeros are tedious to count
 
 
 def number_text(number: float) -> str:
-    """
-    Return a number to six digits, its exponent as people write it: 1e6, not 1e+06.
-
-    Parameters
-    ----------
-    number : float
-        Limit of a parameter.
-
-    Returns
-    -------
-    text : str
-        The number.
-
-    """
+    """Return a number to six digits, its exponent as people write it: 1e6, not 1e+06."""
     return re.sub(r'e([+-])0*', lambda found: 'e' + found[1].strip('+'), f'{number:g}')
 
 
 def value_text(value: Value) -> str:
-    """
-    Return the value of a parameter: true, [0.0, 0.0, 0.0], 1e10, NaN.
-
-    Parameters
-    ----------
-    value : bool, int, float, str or tuple of float
-        Value of a parameter.
-
-    Returns
-    -------
-    text : str
-        The value, which YAML reads as the same; NaN is `.nan` there.
-
-    """
+    """Return the value of a parameter: true, [0.0, 0.0, 0.0], 1e10, NaN."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):

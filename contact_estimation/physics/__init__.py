@@ -142,16 +142,6 @@ def effects_that_are_on(
     sign_velocity : float
         Width of the smooth sign of a velocity [m/s].
 
-    Returns
-    -------
-    effects : list of Effect
-        In the order of EFFECTS.
-
-    Raises
-    ------
-    ParameterRangeError
-        If only some of an effect's parameters are given.
-
     """
     made = (cls.when_on(getattr(physics, name)) for name, cls in EFFECTS.items())
     effects = [effect for effect in made if effect is not None]

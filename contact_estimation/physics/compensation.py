@@ -108,11 +108,6 @@ class Compensation:
         pressing : float
             -F_e less the tare [N].
 
-        Returns
-        -------
-        known : CompensatedSample
-            Quantities of the relation.
-
         """
         now, regular = self._motion(sample)
         terms = self._wall.take(now, location)

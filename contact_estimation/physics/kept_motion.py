@@ -85,11 +85,6 @@ class KeptMotion:
         compute : callable
             Returns it.
 
-        Returns
-        -------
-        motion : WallMotion
-            Read-only if it is kept.
-
         """
         if x.flags.writeable or v.flags.writeable:
             return compute()

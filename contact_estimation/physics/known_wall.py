@@ -144,11 +144,6 @@ class KnownWall:
         location : float
             x_e nominal [m]; NaN: not known.
 
-        Returns
-        -------
-        terms : sequence of WallTerms
-            Of the last three samples at most, this one the last.
-
         """
         if location != location:
             if self._last is not None:

@@ -28,13 +28,6 @@ def positive(x: Number, m: Any) -> Number:
     """
     Return max(x, 0).
 
-    Parameters
-    ----------
-    x : float or ndarray
-        Any quantity.
-    m : module
-        `math` or `numpy`.
-
     Returns
     -------
     y : float or ndarray
@@ -52,11 +45,6 @@ def stretches(flag: Flags) -> Iterator[tuple[int, int]]:
     ----------
     flag : ndarray of bool, shape (N,)
         For example whether there is contact.
-
-    Yields
-    ------
-    first, stop : int
-        Half-open index range of one run.
 
     """
     edges = [0, *(np.flatnonzero(np.diff(flag)) + 1).tolist(), len(flag)]

@@ -18,22 +18,7 @@ Strength = Callable[[float], Values]
 
 
 def log_uniform(rng: Generator, low: float, high: float) -> float:
-    """
-    Draw a positive number whose logarithm is uniformly distributed.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Random number generator.
-    low, high : float
-        Range, > 0.
-
-    Returns
-    -------
-    number : float
-        In the unit of the range.
-
-    """
+    """Draw a positive number whose logarithm is uniformly distributed."""
     return exp(rng.uniform(log(low), log(high)))
 
 

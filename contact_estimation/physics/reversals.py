@@ -68,11 +68,6 @@ def motion_of(d: Array, v: Array, h: float, touches_down: bool) -> Motion:
     touches_down : bool
         Whether the tool came from free flight between the sample before and the first one.
 
-    Returns
-    -------
-    motion : Motion
-        Since touch-down the tool has moved by d, at most v h.
-
     """
     first = float(d[0])
     before = max(0.0, first - abs(float(v[0])) * h) if touches_down else first
@@ -81,20 +76,7 @@ def motion_of(d: Array, v: Array, h: float, touches_down: bool) -> Motion:
 
 @lru_cache(maxsize=4)
 def path_of(motion: Motion) -> Path:
-    """
-    Split a motion where its linearly interpolated rate changes sign: between the samples.
-
-    Parameters
-    ----------
-    motion : Motion
-        One stretch of contact.
-
-    Returns
-    -------
-    path : Path
-        Its legs; cached, because searches repeat arguments.
-
-    """
+    """Split a motion where its linearly interpolated rate changes sign: between the samples."""
     d, v, h = np.frombuffer(motion.depths), np.frombuffer(motion.rates), motion.h
     steps = np.diff(d, prepend=motion.before)
     turns = v[:-1] * v[1:] < 0.0

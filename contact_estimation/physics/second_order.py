@@ -46,11 +46,6 @@ def discretise(mass: float, damping: float, stiffness: float, h: float) -> Secon
     h : float
         Sample period [s].
 
-    Returns
-    -------
-    system : SecondOrder
-        Difference equations of position and velocity.
-
     """
     from scipy.linalg import expm  # slow to import, and no node needs it
 

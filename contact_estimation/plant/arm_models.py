@@ -45,20 +45,7 @@ ARM_MODELS: dict[str, Sequence[Link]] = {
 
 
 def arm_description(name: str) -> str:
-    """
-    Return the text of a URDF file.
-
-    Parameters
-    ----------
-    name : str
-        Key of ARM_MODELS.
-
-    Returns
-    -------
-    urdf : str
-        Links base, link_1, ..., joints joint_1, ...; solid cylinders along their bodies.
-
-    """
+    """Return the text of a URDF file."""
     rows = [f'<?xml version="1.0"?>\n<robot name="{name}">\n  <link name="base"/>']
     for k, link in enumerate(ARM_MODELS[name], 1):
         length = sum(x * x for x in link.to) ** 0.5

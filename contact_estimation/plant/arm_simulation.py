@@ -107,11 +107,6 @@ def simulate_arm(
     extra : ndarray, shape (N, n), optional
         Torque on the joints over the times of `wanted`, which no law describes [N m].
 
-    Returns
-    -------
-    simulated : SimulatedArm
-        What the robot's driver would publish.
-
     """
     body = _Body(arm, laws)
     feed = arm.torque(wanted.q, wanted.v, wanted.a)

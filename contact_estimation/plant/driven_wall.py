@@ -50,13 +50,6 @@ def run_driven_wall(
     positions : ndarray, shape (N,)
         x [m].
 
-    Raises
-    ------
-    ParameterRangeError
-        If the wall has no mass or is unilateral.
-    SignalShapeError
-        If the arrays do not match.
-
     """
     return run_driven_wall_with_rates(parameters, t, force, x0, v0, begin)[0]
 
@@ -85,20 +78,7 @@ def run_driven_wall_with_rates(
 
 
 class DrivenWall:
-    """
-    The attached environment, integrated by fourth-order Runge-Kutta steps.
-
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Model.
-
-    Raises
-    ------
-    ParameterRangeError
-        If the wall has no mass or is unilateral.
-
-    """
+    """The attached environment, integrated by fourth-order Runge-Kutta steps."""
 
     def __init__(self, parameters: PlantParameters) -> None:
         wall = parameters.environment

@@ -31,16 +31,6 @@ def mujoco_xml(model: PlantParameters) -> str:
     F = (k delta + b delta_dot) / (w (1 - d)) - d / (w (1 - d)) a (MuJoCo, "Computation",
     solver parameters). So k = K_e w (1 - d) and b = B_e w (1 - d).
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Robot and wall; of the physics, friction and inertia of the robot are expressed.
-
-    Returns
-    -------
-    text : str
-        MJCF. The actuator follows x_r; the joint is x, +x into the wall.
-
     """
     wall, robot, physics = model.environment, model.robot, model.physics
     inertia = _or_zero(physics.reflected_inertia.M_r)
@@ -79,16 +69,6 @@ def sdf_xml(model: PlantParameters) -> str:
 
     ODE combines 1/kp = 1/kp_1 + 1/kp_2 and kd = kd_1 + kd_2.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Of which K_e and B_e are expressed.
-
-    Returns
-    -------
-    text : str
-        The element `surface`.
-
     """
     wall = model.environment
     return f"""<!-- {_expressed(model)}
@@ -116,16 +96,6 @@ def drake_xml(model: PlantParameters) -> str:
     F = k (delta + tau delta_dot), so that tau = B_e / K_e; TAMSI and Similar compute
     F = k delta (1 + d delta_dot), so that d = chi / K_e of `hunt_crossley_damping`.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Of which K_e, B_e and chi are expressed.
-
-    Returns
-    -------
-    text : str
-        The element `drake:proximity_properties`.
-
     """
     wall = model.environment
     if wall.stiffness <= 0.0:
@@ -149,16 +119,6 @@ def physx_usd(model: PlantParameters) -> str:
     Return a physics material and joint of PhysX 5, for Isaac Sim and Isaac Lab.
 
     Compliant contact is a spring and a damper, F = K_e delta + B_e delta_dot.
-
-    Parameters
-    ----------
-    model : PlantParameters
-        Of which K_e, B_e and the robot's friction and inertia are expressed.
-
-    Returns
-    -------
-    text : str
-        USD as text.
 
     """
     wall, physics = model.environment, model.physics

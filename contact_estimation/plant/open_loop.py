@@ -42,13 +42,6 @@ def run_open_loop(
     further : sequence of Effect
         As in `World`.
 
-    Returns
-    -------
-    truths : list of Truth
-        True states, one per sample.
-    recording : ContactRecording
-        Measurements.
-
     """
     period = 1.0 / plant.sample_rate
     world, sensors = World(plant, start, further=further), Sensors(plant)
@@ -84,11 +77,6 @@ def simulate_on(
     begin : float
         The world's time at t[0] [s], on which some effects depend.
 
-    Returns
-    -------
-    truths : list of Truth
-        True states, one per sample; their time counts from `begin`.
-
     """
     since = t - t[0] + begin
     return simulate_at(
@@ -110,11 +98,6 @@ def simulate_at(
         Output times [s], >= begin, increasing.
     reference : callable
         From time [s] to the reference.
-
-    Returns
-    -------
-    truths : list of Truth
-        True states, one per time.
 
     """
     world, truths = World(parameters, x0, v0, begin=begin), []

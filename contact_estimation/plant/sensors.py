@@ -16,15 +16,7 @@ _BLOCK = 1024
 
 
 class Sensors:
-    """
-    Noise on the sensed force; noise, then quantisation on the position.
-
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Noise, quantisation and seed.
-
-    """
+    """Noise on the sensed force; noise, then quantisation on the position."""
 
     def __init__(self, parameters: PlantParameters) -> None:
         self.configure(parameters)
@@ -33,15 +25,7 @@ class Sensors:
         self._streams = [self._noise(np.random.default_rng(seed)) for seed in seeds]
 
     def configure(self, parameters: PlantParameters) -> None:
-        """
-        Change noise and quantisation while running.
-
-        Parameters
-        ----------
-        parameters : PlantParameters
-            New values.
-
-        """
+        """Change noise and quantisation while running."""
         self._p = parameters.sensors
 
     def _noise(self, generator: np.random.Generator) -> Iterator[float]:
@@ -56,11 +40,6 @@ class Sensors:
     def measure(self, truth: Truth) -> tuple[float, float, float]:
         """
         Return one measurement.
-
-        Parameters
-        ----------
-        truth : Truth
-            Present state of the world.
 
         Returns
         -------

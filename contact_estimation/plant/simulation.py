@@ -68,11 +68,6 @@ def simulate_command(
     held : bool
         Whether the robot holds each setpoint until the next; else it interpolates linearly.
 
-    Returns
-    -------
-    simulation : Simulation
-        Includes the noise of the modelled sensors.
-
     """
     first = stamp_ns[0]
     follow = reference_through((reference_ns - first) * 1e-9, reference, held)
@@ -81,22 +76,7 @@ def simulate_command(
 
 
 def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simulation:
-    """
-    Simulate a model on the setpoints of an experiment.
-
-    Parameters
-    ----------
-    model : PlantParameters
-        Parameters of the world, which is sampled at its `sample_rate`.
-    experiment : Experiment
-        Setpoints over time.
-
-    Returns
-    -------
-    simulation : Simulation
-        Stamps start at 0. No force law is active, so the reference has no force.
-
-    """
+    """Simulate a model on the setpoints of an experiment."""
     count = round(experiment.duration * model.sample_rate) + 1
     stamp_ns = np.round(1e9 / model.sample_rate * np.arange(count)).astype(np.int64)
     desired = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
@@ -124,11 +104,6 @@ def simulate_force(
         Position [m] and velocity [m/s] at the first stamp.
     between : str
         Behaviour of the force between its samples, a key of `BETWEEN`.
-
-    Returns
-    -------
-    simulation : Simulation
-        Its force is the given one plus the noise of the modelled sensors.
 
     """
     t = (stamp_ns - stamp_ns[0]) * 1e-9

@@ -22,28 +22,7 @@ Entry = tuple[int, str, str, bytes]  # stamp, topic, type, message
 def write_simulation(
     path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
 ) -> None:
-    """
-    Write a simulation to an MCAP file.
-
-    Parameters
-    ----------
-    path : Path
-        New .mcap file.
-    simulation : Simulation
-        Simulation to write.
-    axis : str
-        'x', 'y' or 'z': axis of the force in the wrench.
-    joint : str
-        Name of the joint.
-    frame_id : str
-        Frame of the wrench.
-
-    Raises
-    ------
-    RecordingError
-        If the file exists or cannot be written.
-
-    """
+    """Write a simulation to an MCAP file."""
     entries = [
         *_references(simulation, TrajectoryEncoder(frame_id, joint)),
         *_samples(simulation, axis, joint, frame_id),

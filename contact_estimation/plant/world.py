@@ -88,15 +88,7 @@ class World:
         self._credit = _MOST_SWITCHES
 
     def configure(self, parameters: PlantParameters) -> None:
-        """
-        Change the parameters while running.
-
-        Parameters
-        ----------
-        parameters : PlantParameters
-            New parameters. If other effects are on than before, all forget their past.
-
-        """
+        """Change the parameters while running."""
         before = [effect.name for effect in self._effects]
         if parameters.physics != self._physics:  # else effects would lose their past
             self._physics = parameters.physics
@@ -147,20 +139,7 @@ class World:
         self.t, self._present = end, now
 
     def truth(self, reference: ReferenceAt) -> Truth:
-        """
-        Return the present state of the world.
-
-        Parameters
-        ----------
-        reference : callable
-            As for `advance`.
-
-        Returns
-        -------
-        truth : Truth
-            State without noise.
-
-        """
+        """Return the present state of the world."""
         self._follow(reference)
         x, v = self._measured()
         self._present = self._present or self._look(self.t, self._state)

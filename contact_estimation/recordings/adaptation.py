@@ -34,32 +34,7 @@ def changes_of(
     source: RecordingSource, types: Mapping[str, str], definition_of: Callable[[str], str],
     where: str,
 ) -> dict[str, Change]:
-    """
-    Return what turns the messages of a recording into those that are expected.
-
-    Parameters
-    ----------
-    source : RecordingSource
-        Topics, `stamps` and `wrench_field`.
-    types : mapping of str to str
-        Recorded type of each topic that is to be read; '' where unknown.
-    definition_of : callable
-        Returns the recorded definition of a type, '' if there is none.
-    where : str
-        Name of the recording, for errors.
-
-    Returns
-    -------
-    changes : dict of str to callable
-        By canonical topic; without topics that are as expected.
-
-    Raises
-    ------
-    RecordingError
-        If a topic has another type than expected and cannot be changed; the text names the type
-        and what its messages hold.
-
-    """
+    """Return what turns the messages of a recording into those that are expected."""
     received = source.stamps == RECEIVED
     changes: dict[str, Change] = {}
     for role, expected in TYPES.items():

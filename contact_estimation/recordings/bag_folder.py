@@ -17,26 +17,7 @@ _SQLITE = b'SQLite format 3\0'
 
 
 def recording_files(path: Path) -> list[Path]:
-    """
-    List the files of a recording in the order in which they were written.
-
-    Parameters
-    ----------
-    path : Path
-        A file or a rosbag2 folder, also one whose metadata.yaml was never written.
-
-    Returns
-    -------
-    files : list of Path
-        At least one; the folder itself where rosbag2 has compressed it or stored it as SQLite,
-        see `needs_rosbags`.
-
-    Raises
-    ------
-    RecordingError
-        If there is no readable recording.
-
-    """
+    """List the files of a recording in the order in which they were written."""
     if not path.exists():
         raise RecordingError(
             f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder'
@@ -69,15 +50,7 @@ def recording_files(path: Path) -> list[Path]:
 
 
 def needs_rosbags(path: Path) -> bool:
-    """
-    Return whether a file of a recording is not MCAP but what the package rosbags reads.
-
-    Parameters
-    ----------
-    path : Path
-        As of `recording_files`.
-
-    """
+    """Return whether a file of a recording is not MCAP but what the package rosbags reads."""
     if path.is_dir():
         return True
     try:
@@ -114,20 +87,7 @@ def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
 
 
 def natural_order(name: str) -> list[tuple[int, str]]:
-    """
-    Return a sorting key that puts bag_10.mcap after bag_9.mcap.
-
-    Parameters
-    ----------
-    name : str
-        Of a file, or a path.
-
-    Returns
-    -------
-    key : list of (int, str)
-        Numbers as numbers, other parts as text.
-
-    """
+    """Return a sorting key that puts bag_10.mcap after bag_9.mcap."""
     return [(int(part), '') if part.isdecimal() else (-1, part)
             for part in re.split(r'([0-9]+)', name)]
 

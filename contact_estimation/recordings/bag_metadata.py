@@ -58,11 +58,6 @@ def bag_information(
     start_ns, end_ns : int
         Log time of the first and the last message [ns].
 
-    Returns
-    -------
-    information : dict
-        Content of 'rosbag2_bagfile_information'.
-
     """
     count = sum(topic.message_count for topic in topics)
     starting_time = {'nanoseconds_since_epoch': start_ns}

@@ -52,11 +52,6 @@ class Channels:
     """
     The channels of one file, as far as they are known.
 
-    Parameters
-    ----------
-    wanted : mapping of str to str, optional
-        Canonical names of the topics to read and the names to hand out for them; all by default.
-
     Attributes
     ----------
     types : dict of str to str
@@ -115,18 +110,6 @@ def walk(data: bytes, channels: Channels) -> Walk:
 
     The package mcap builds an object for each message, which takes five times as long.
 
-    Parameters
-    ----------
-    data : bytes
-        Records one after the other.
-    channels : Channels
-        What is wanted; gets the channels on the way.
-
-    Returns
-    -------
-    result : Walk
-        The messages and how far the records were readable.
-
     """
     messages: list[RecordedMessage] = []
     append, make, message_type = messages.append, tuple.__new__, RecordedMessage
@@ -151,29 +134,7 @@ def walk(data: bytes, channels: Channels) -> Walk:
 
 
 def read_chunk(content: bytes, channels: Channels) -> list[RecordedMessage] | None:
-    """
-    Decompress a chunk and collect its messages.
-
-    Parameters
-    ----------
-    content : bytes
-        Content of the chunk record.
-    channels : Channels
-        What is wanted; gets the channels in the chunk.
-
-    Returns
-    -------
-    messages : list of RecordedMessage or None
-        None if the chunk is damaged.
-
-    Raises
-    ------
-    MissingPackageError
-        If the package for the compression is not installed.
-    RecordingError
-        If the chunk decompresses to more than `LARGEST_CHUNK`.
-
-    """
+    """Decompress a chunk and collect its messages."""
     chunk = parsed(Chunk, content)
     if chunk is None:
         return None

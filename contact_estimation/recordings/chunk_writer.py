@@ -22,11 +22,6 @@ class ChunkWriter:
 
     SIGKILL destroys only the chunk in progress: at most 0.5 s of log time.
 
-    Parameters
-    ----------
-    stream : binary file
-        Opened for writing; closed by `close`.
-
     """
 
     def __init__(self, stream: BinaryIO) -> None:

@@ -103,12 +103,6 @@ def signals_of_columns(
     signals : dict of str to ndarray, shape (N,)
         By key without `t`, in SI units; NaN where a row has none.
 
-    Raises
-    ------
-    RecordingError
-        If a key, column or unit is unknown, a name is ambiguous, or time, force or position is
-        missing; the text lists the columns.
-
     """
     general = _general(units)
     sources = columns_of_signals(columns, chosen, where)
@@ -132,25 +126,7 @@ def signals_of_columns(
 def columns_of_signals(
     columns: Columns, chosen: Mapping[str, str], where: str
 ) -> dict[str, str]:
-    """
-    Choose the column of each signal.
-
-    Parameters
-    ----------
-    columns, chosen, where
-        As of `signals_of_columns`.
-
-    Returns
-    -------
-    sources : dict of str to str
-        Column by signal, as chosen or found by name.
-
-    Raises
-    ------
-    RecordingError
-        If a key or column is unknown, or a name is ambiguous.
-
-    """
+    """Choose the column of each signal."""
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for key, column in chosen.items():
         if not is_key(key):

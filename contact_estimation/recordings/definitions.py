@@ -35,16 +35,6 @@ def jazzy_typestore() -> Any:
 
     Imported here and not at the top: only writing needs rosbags, and loading takes 0.1 s.
 
-    Returns
-    -------
-    typestore : rosbags.typesys.store.Typestore
-        The same object at every call.
-
-    Raises
-    ------
-    MissingPackageError
-        If rosbags is not installed.
-
     """
     try:
         from rosbags.typesys import get_typestore, Stores
@@ -56,29 +46,7 @@ def jazzy_typestore() -> Any:
 
 
 def fresh_typestore(type_name: str, definition: str) -> Any:
-    """
-    Load the message types of ROS 2 Jazzy and one that a recording defines.
-
-    Parameters
-    ----------
-    type_name : str
-        Such as 'geometry_msgs/msg/WrenchStamped'.
-    definition : str
-        As recorded; '' for a type of the distribution.
-
-    Returns
-    -------
-    typestore : rosbags.typesys.store.Typestore
-        New; has the type.
-
-    Raises
-    ------
-    MissingPackageError
-        If rosbags is not installed.
-    RecordingError
-        If the type is neither of the distribution nor defined.
-
-    """
+    """Load the message types of ROS 2 Jazzy and one that a recording defines."""
     jazzy_typestore()
     from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 
@@ -97,25 +65,7 @@ def fresh_typestore(type_name: str, definition: str) -> Any:
 
 @functools.lru_cache(maxsize=None)
 def message_definition(type_name: str) -> MessageDefinition:
-    """
-    Look up a message type of ROS 2 Jazzy.
-
-    Parameters
-    ----------
-    type_name : str
-        Such as 'geometry_msgs/msg/WrenchStamped'.
-
-    Returns
-    -------
-    definition : MessageDefinition
-        Text and hash.
-
-    Raises
-    ------
-    RecordingError
-        If rosbags does not know the type.
-
-    """
+    """Look up a message type of ROS 2 Jazzy."""
     store = jazzy_typestore()
     if type_name not in store.fielddefs:
         raise RecordingError(

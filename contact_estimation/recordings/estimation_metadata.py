@@ -15,43 +15,12 @@ RECORD = 'estimator_node'
 
 
 def to_metadata(parameters: Mapping[str, Any]) -> dict[str, str]:
-    """
-    Write parameters as the texts that a metadata record takes.
-
-    Parameters
-    ----------
-    parameters : mapping
-        Dotted name to value.
-
-    Returns
-    -------
-    texts : dict of str to str
-        Each value as JSON.
-
-    """
+    """Write parameters as the texts that a metadata record takes."""
     return {name: json.dumps(value) for name, value in parameters.items()}
 
 
 def from_metadata(records: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
-    """
-    Read the parameters at start.
-
-    Parameters
-    ----------
-    records : mapping
-        Metadata records of a recording.
-
-    Returns
-    -------
-    parameters : dict
-        Dotted name to value; empty where the recording has none.
-
-    Raises
-    ------
-    RecordingError
-        If a value is not JSON.
-
-    """
+    """Read the parameters at start."""
     try:
         return {name: json_content(text) for name, text in records.get(RECORD, {}).items()}
     except ValueError as error:

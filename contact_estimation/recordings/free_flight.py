@@ -46,16 +46,6 @@ def tare_of(t: Array, force: Array, tare: str) -> Tare:
     tare : str
         'first-free-flight', or the span 'A:B' [s].
 
-    Returns
-    -------
-    tare : Tare
-        The median of the force over the span.
-
-    Raises
-    ------
-    RecordingError
-        If `tare` is neither, holds no sample, or no free flight of 0.5 s is found.
-
     """
     if tare == FIRST:
         begin, end = _first_free_flight(t, force)

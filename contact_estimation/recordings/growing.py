@@ -23,13 +23,6 @@ class GrowingRecording:
 
     It needs no subscription, so it does not affect the recorded nodes.
 
-    Parameters
-    ----------
-    path : Path
-        Folder of an MCAP recording that may not exist yet, or an .mcap file.
-    topics : iterable of str
-        What to read; messages bear these names.
-
     Attributes
     ----------
     finished : bool
@@ -43,15 +36,7 @@ class GrowingRecording:
         self.finished = False
 
     def new_messages(self) -> list[RecordedMessage]:
-        """
-        Return what has been added.
-
-        Returns
-        -------
-        messages : list of RecordedMessage
-            In file order; empty while there is nothing new.
-
-        """
+        """Return what has been added."""
         file = self._file()
         if file is None:
             return []

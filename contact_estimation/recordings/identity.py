@@ -17,20 +17,7 @@ _BLOCK = 1 << 20
 
 
 def is_recording(file: Path) -> bool:
-    """
-    Return whether an existing file is a recording, or may be what is left of one.
-
-    Parameters
-    ----------
-    file : Path
-        An existing file; links are followed.
-
-    Returns
-    -------
-    is_recording : bool
-        By name or content: a damaged or empty file keeps its name alone.
-
-    """
+    """Return whether an existing file is a recording, or may be what is left of one."""
     real = file.resolve()
     if any(one.suffix.lower() in _SUFFIXES or one.name == FILE_NAME for one in (file, real)):
         return True
@@ -39,20 +26,7 @@ def is_recording(file: Path) -> bool:
 
 
 def is_bag_folder(folder: Path) -> bool:
-    """
-    Return whether a folder is a rosbag2 recording.
-
-    Parameters
-    ----------
-    folder : Path
-        Need not exist.
-
-    Returns
-    -------
-    is_bag_folder : bool
-        Whether it has a metadata.yaml of rosbag2.
-
-    """
+    """Return whether a folder is a rosbag2 recording."""
     try:
         return b'rosbag2_bagfile_information' in (folder / FILE_NAME).read_bytes()
     except OSError:
@@ -60,25 +34,7 @@ def is_bag_folder(folder: Path) -> bool:
 
 
 def share_data(first: str | Path, second: str | Path) -> bool:
-    """
-    Return whether two recordings have a storage file in common, or a copy of one.
-
-    Parameters
-    ----------
-    first, second : path-like
-        Files or rosbag2 folders; one that does not exist shares nothing.
-
-    Returns
-    -------
-    share : bool
-        By size, then by SHA-256; empty files do not count.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-
-    """
+    """Return whether two recordings have a storage file in common, or a copy of one."""
     if os.path.exists(first) and os.path.exists(second) and os.path.samefile(first, second):
         return True
     files = [_by_size(Path(path)) for path in (first, second)]
@@ -100,25 +56,7 @@ def _by_size(path: Path) -> dict[int, list[Path]]:
 
 
 def file_sha256(file: Path) -> str:
-    """
-    Return the hash of a file, read block by block.
-
-    Parameters
-    ----------
-    file : Path
-        Of any size.
-
-    Returns
-    -------
-    sha256 : str
-        Hexadecimal.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-
-    """
+    """Return the hash of a file, read block by block."""
     digest = hashlib.sha256()
     with open(file, 'rb') as stream:
         while block := stream.read(_BLOCK):

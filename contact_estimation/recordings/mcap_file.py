@@ -32,11 +32,6 @@ class McapFile:
     """
     Read one file, which is opened anew for each pass.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-
     Attributes
     ----------
     size : int
@@ -49,11 +44,6 @@ class McapFile:
         Of the types found by the last search for topics.
     hidden : int
         Those skipped in the last search for topics, some of which they may describe.
-
-    Raises
-    ------
-    RecordingError
-        If this is no MCAP file.
 
     """
 
@@ -69,37 +59,11 @@ class McapFile:
             self.summary = read_summary(stream, self.size)
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
-        """
-        Read the messages, a chunk at a time.
-
-        Parameters
-        ----------
-        wanted : mapping of str to str or None
-            Canonical topic names and what to call them; None reads all topics.
-
-        Returns
-        -------
-        batches : iterator of list of RecordedMessage
-            In file order, never empty.
-
-        """
+        """Read the messages, a chunk at a time."""
         return filter(None, self._stretches(Channels(wanted)))
 
     def topics(self, asked: Collection[str] | None) -> dict[str, str]:
-        """
-        Find the topics and their types.
-
-        Parameters
-        ----------
-        asked : collection of str or None
-            Where the file has no summary, reading stops once these are found.
-
-        Returns
-        -------
-        types : dict of str to str
-            Type of each topic.
-
-        """
+        """Find the topics and their types."""
         channels = Channels({})
         self.definitions = channels.definitions
         self._describe(channels)

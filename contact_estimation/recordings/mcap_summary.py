@@ -75,22 +75,7 @@ class Summary:
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary:
-    """
-    Read the summary of a file.
-
-    Parameters
-    ----------
-    stream : binary file
-        The file.
-    size : int
-        Its size.
-
-    Returns
-    -------
-    summary : Summary
-        Empty where the file has none or it is damaged.
-
-    """
+    """Read the summary of a file."""
     stream.seek(max(size - _TAIL, 0))
     tail = stream.read(_TAIL)
     if not (tail.startswith(_FOOTER_HEAD) and tail.endswith(MAGIC) and len(tail) == _TAIL):

@@ -39,20 +39,7 @@ class OfferedQos:
 
     @classmethod
     def of_profile(cls, profile: Any) -> 'OfferedQos':
-        """
-        Convert a rclpy.qos.QoSProfile.
-
-        Parameters
-        ----------
-        profile : rclpy.qos.QoSProfile
-            Duck-typed, so that no ROS package is imported here.
-
-        Returns
-        -------
-        qos : OfferedQos
-            The part that matters for playing a recording back.
-
-        """
+        """Convert a rclpy.qos.QoSProfile."""
         return cls(
             reliability=profile.reliability.name.lower(),
             depth=profile.depth,

@@ -29,24 +29,12 @@ class RecordingReader:
     Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
     chunks are skipped and counted.
 
-    Parameters
-    ----------
-    path : Path or str
-        An .mcap or .db3 file, a rosbag2 folder, or a table, see `read_columns`.
-    source : RecordingSource, optional
-        How it is read; by default as recorded.
-
     Attributes
     ----------
     path : Path
         As given.
     truncated : bool
         A file lacks its end: the recorder was killed or still records.
-
-    Raises
-    ------
-    RecordingError
-        If there is no recording at `path`.
 
     """
 
@@ -86,20 +74,7 @@ class RecordingReader:
         return max(end for _, end in spans) if spans else None
 
     def topics(self, asked: Collection[str] | None = None) -> dict[str, str]:
-        """
-        Find the topics and their types.
-
-        Parameters
-        ----------
-        asked : collection of str, optional
-            Files without summary are read until these are found; whole by default.
-
-        Returns
-        -------
-        types : dict of str to str
-            Type of each topic, by its name in the recording.
-
-        """
+        """Find the topics and their types."""
         types: dict[str, str] = {}
         missing = None if asked is None else {canonical(topic) for topic in asked}
         for file in self._files:
@@ -109,15 +84,7 @@ class RecordingReader:
         return types
 
     def metadata(self) -> dict[str, dict[str, str]]:
-        """
-        Read the metadata records, such as the parameters at start.
-
-        Returns
-        -------
-        records : dict of str to dict
-            Texts by name of the record and key.
-
-        """
+        """Read the metadata records, such as the parameters at start."""
         found: dict[str, dict[str, str]] = {}
         for file in self._files:
             for name, values in file.metadata().items():
@@ -125,52 +92,13 @@ class RecordingReader:
         return found
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
-        """
-        Read messages one by one.
-
-        Parameters
-        ----------
-        topics : collection of str, optional
-            With or without leading slash; all by default.
-
-        Returns
-        -------
-        messages : iterator of RecordedMessage
-            In file order. Their `topic` is written as in `topics`.
-
-        Raises
-        ------
-        RecordingError
-            If the recording lacks one of the topics, or ends before any: at the call, not at the
-            first message.
-
-        """
+        """Read messages one by one."""
         return (message for batch in self.batches(topics) for message in batch)
 
     def batches(
         self, topics: Collection[str] | None = None
     ) -> Iterator[list[RecordedMessage]]:
-        """
-        Read messages chunk by chunk, which is faster than one by one.
-
-        Parameters
-        ----------
-        topics : collection of str, optional
-            With or without leading slash; all by default.
-
-        Returns
-        -------
-        batches : iterator of list of RecordedMessage
-            In file order, never empty. Their `topic` is written as in `topics`; their data are
-            as recorded, or as `source` says.
-
-        Raises
-        ------
-        RecordingError
-            If the recording lacks one of the topics, has it with another type, or ends before
-            any: at the call, not at the first message.
-
-        """
+        """Read messages chunk by chunk, which is faster than one by one."""
         wanted, changes = None, {}
         if topics is not None:
             types = self.topics(topics)

@@ -43,13 +43,6 @@ class RecordScanner:
     """
     Walk over the records of a file; where one is not plausible, search for the next plausible one.
 
-    Parameters
-    ----------
-    stream : binary file
-        The file, which may be moved between calls.
-    size : int
-        Its size when it was opened; a recorder may still be writing.
-
     Attributes
     ----------
     position : int

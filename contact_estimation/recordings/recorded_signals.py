@@ -80,33 +80,7 @@ def read_signals(
     reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = '',
     most_samples: int | None = None,
 ) -> RecordedSignals:
-    """
-    Read wrench, joint and reference of the contact axis.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    axis : str
-        Axis of the force: 'x', 'y' or 'z'.
-    joint : str
-        Name of the joint; '' is the only joint of the message.
-    most_samples : int, optional
-        Number of wrenches after which reading stops, a bound of the memory; all by default.
-
-    Returns
-    -------
-    signals : RecordedSignals
-        Of samples with equal stamps, the first is kept.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing or has no usable message.
-
-    """
+    """Read wrench, joint and reference of the contact axis."""
     wrenches = WrenchDecoder()
     wrench, joints, reference = read_rows(
         reader, source, _decoders(wrenches, source, axis, joint), (1, 2, 4), most_samples)
@@ -118,34 +92,7 @@ def read_rows(
     decode: Mapping[str, Callable[[bytes], Row | list[Row] | None]], widths: Sequence[int],
     most_samples: int | None = None,
 ) -> list[Signal]:
-    """
-    Read wrench, joints and reference.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    decode : mapping of str to callable
-        For wrench, motion and reference, in this order: takes a raw message of the topic and
-        returns stamp and values, or several of them; None where it completes no sample.
-    widths : sequence of int
-        Number of values of each.
-    most_samples : int, optional
-        Number of wrenches after which reading stops; all by default.
-
-    Returns
-    -------
-    signals : list of Signal
-        In the order of `decode`; the reference may be empty.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing or has no usable message.
-
-    """
+    """Read wrench, joints and reference."""
     asked = list(decode)[:2]
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
@@ -179,13 +126,6 @@ def wrench_rate(reader: RecordingReader, source: RecordingSource) -> float:
     """
     Measure the rate of the wrench from the stamps of the first wrenches.
 
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-
     Returns
     -------
     rate : float
@@ -217,20 +157,7 @@ def _decoders(
 
 
 def reference_rows(joint: str) -> Callable[[bytes], Row]:
-    """
-    Return the function that reads a reference of the contact axis.
-
-    Parameters
-    ----------
-    joint : str
-        Name of the joint; '' is the only joint of the message.
-
-    Returns
-    -------
-    read : callable
-        Takes a raw trajectory; returns its stamp, x_r, rate, acceleration and F_r.
-
-    """
+    """Return the function that reads a reference of the contact axis."""
     references = TrajectoryDecoder(joint)
 
     def reference(data: bytes) -> Row:
@@ -253,11 +180,6 @@ def stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
         Their values, sample by sample.
     width : int
         Values of each sample; one whose first is not finite is left out.
-
-    Returns
-    -------
-    signal : Signal
-        Sorted by stamp.
 
     """
     stamp_ns = np.array(stamps, np.int64)

@@ -24,11 +24,6 @@ class RosbagsFile:
 
     Such recordings are read when complete only, and hold no metadata records.
 
-    Parameters
-    ----------
-    path : Path
-        The folder or file.
-
     Attributes
     ----------
     size, position : int
@@ -39,13 +34,6 @@ class RosbagsFile:
         Always 0: damage is an error.
     summary : Summary
         Says that the recording is complete.
-
-    Raises
-    ------
-    MissingPackageError
-        If rosbags is not installed.
-    RecordingError
-        If rosbags cannot read the recording.
 
     """
 

@@ -38,23 +38,11 @@ def read_columns(path: Path) -> Columns:
     """
     Read all columns of numbers.
 
-    Parameters
-    ----------
-    path : Path
-        A file with one of the suffixes .csv, .tsv, .txt, .dat, .parquet, .mat.
-
     Returns
     -------
     columns : dict of str to ndarray, shape (N,)
         By name, in file order; NaN where a cell is empty. Columns without a header are named
         '1', '2', ...
-
-    Raises
-    ------
-    RecordingError
-        If it cannot be read or has no numbers.
-    MissingPackageError
-        If a Parquet file is given and pyarrow is not installed.
 
     """
     try:

@@ -33,22 +33,10 @@ class TableFile:
     """
     Read a table with the interface of `McapFile`.
 
-    Parameters
-    ----------
-    path : Path
-        As of `read_columns`.
-    source : RecordingSource
-        Its columns and units, and what its topics are called.
-
     Attributes
     ----------
     columns : dict of str to str
         Column of each signal.
-
-    Raises
-    ------
-    RecordingError
-        If it cannot be read, or time, force or position is not found.
 
     """
 

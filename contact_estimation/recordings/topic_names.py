@@ -19,24 +19,7 @@ def canonical(topic: str) -> str:
 
 
 def require_topics(asked: Collection[str], types: Mapping[str, str], where: str) -> None:
-    """
-    Check that a recording has the requested topics.
-
-    Parameters
-    ----------
-    asked : collection of str
-        Names of topics, with or without leading slash.
-    types : mapping of str to str
-        The topics of the recording and their types.
-    where : str
-        Name of the recording, for the error's text.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing; the error lists the recorded topics and how to choose one.
-
-    """
+    """Check that a recording has the requested topics."""
     present = {canonical(topic) for topic in types}
     missing = [topic for topic in asked if canonical(topic) not in present]
     if not missing:

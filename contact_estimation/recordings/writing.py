@@ -55,26 +55,7 @@ class RecordingWriter:
 
     @classmethod
     def folder(cls, path: Path | str) -> 'RecordingWriter':
-        """
-        Start a rosbag2 folder.
-
-        Parameters
-        ----------
-        path : Path or str
-            The folder; it must not exist or be empty. It gets `<name>_0.mcap`, and metadata.yaml
-            at `close`.
-
-        Returns
-        -------
-        writer : RecordingWriter
-            Open.
-
-        Raises
-        ------
-        RecordingError
-            If there is something at `path` already or it cannot be written.
-
-        """
+        """Start a rosbag2 folder."""
         folder = Path(path)
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             raise _exists(folder)
@@ -82,25 +63,7 @@ class RecordingWriter:
 
     @classmethod
     def file(cls, path: Path | str) -> 'RecordingWriter':
-        """
-        Start a single MCAP file.
-
-        Parameters
-        ----------
-        path : Path or str
-            The file; it must not exist.
-
-        Returns
-        -------
-        writer : RecordingWriter
-            Open.
-
-        Raises
-        ------
-        RecordingError
-            If the file exists or cannot be written.
-
-        """
+        """Start a single MCAP file."""
         return cls(Path(path), None)
 
     def write(
@@ -130,12 +93,6 @@ class RecordingWriter:
         qos : OfferedQos, optional
             Quality of service of the publisher; only that of the first message of a topic is used.
 
-        Raises
-        ------
-        RecordingError
-            If the type is unknown, differs from that of earlier messages of the topic, the disk
-            is full or the recording is closed.
-
         """
         with self._writing():
             self._require_open()
@@ -152,22 +109,7 @@ class RecordingWriter:
             self._span_ns = min(begin, log_time_ns), max(end, log_time_ns)
 
     def write_metadata(self, name: str, values: dict[str, str]) -> None:
-        """
-        Write named texts, such as the parameters at start.
-
-        Parameters
-        ----------
-        name : str
-            Name of the record.
-        values : dict of str to str
-            Its content.
-
-        Raises
-        ------
-        RecordingError
-            If the disk is full or the recording is closed.
-
-        """
+        """Write named texts, such as the parameters at start."""
         with self._writing():
             self._require_open()
             self._chunks.add_metadata(name, values)

@@ -73,11 +73,6 @@ def exciting_trajectory(
     tries : int
         Number of motions.
 
-    Returns
-    -------
-    trajectory : ArmTrajectory
-        Within 0.8 of the limits of position, speed and effort.
-
     """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, duration, 1.0 / rate)

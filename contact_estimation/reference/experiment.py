@@ -70,16 +70,7 @@ class Experiment:
         return self._begins[-1]
 
     def cyclic(self) -> 'Experiment':
-        """
-        Return the experiment as an endless cycle.
-
-        Returns
-        -------
-        experiment : Experiment
-            The same segments, with a motion back to the start where they end elsewhere: a jump
-            of x_d would cause an impact.
-
-        """
+        """Return the experiment as an endless cycle."""
         segments = self.segments
         if segments[-1].position != self.start:
             segments = (*segments, Segment(segments[0].duration, self.start))
@@ -96,11 +87,6 @@ class Experiment:
         t : float
             Time since the start [s]; before and after the experiment the setpoint rests, unless it
             is a cycle.
-
-        Returns
-        -------
-        desired : Desired
-            Setpoint.
 
         """
         if self._repeats and t >= 0.0:

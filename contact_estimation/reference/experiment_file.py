@@ -26,25 +26,7 @@ _EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
 
 
 def read_experiment(path: Path) -> Experiment:
-    """
-    Read an experiment from a YAML file; doc/commands.md gives the schema.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    experiment : Experiment
-        The experiment.
-
-    Raises
-    ------
-    ModelFileError
-        If the file is missing or does not follow the schema.
-
-    """
+    """Read an experiment from a YAML file; doc/commands.md gives the schema."""
     try:
         content = yaml_file(path)
     except (OSError, ValueError) as error:
@@ -60,20 +42,7 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def experiment_text(experiment: Experiment) -> str:
-    """
-    Return an experiment as YAML text that `read_experiment` reads.
-
-    Parameters
-    ----------
-    experiment : Experiment
-        Of segments with excitations of the kinds that files know.
-
-    Returns
-    -------
-    text : str
-        YAML; numbers keep their bits.
-
-    """
+    """Return an experiment as YAML text that `read_experiment` reads."""
     segments = [_segment_entry(segment) for segment in experiment.segments]
     content = {'name': experiment.name, 'start': float(experiment.start), 'segments': segments}
     return str(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=99))

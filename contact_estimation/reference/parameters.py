@@ -73,22 +73,7 @@ class ReferenceParameters(ParameterGroup):
 
 
 def refuse_double_tracking(law: str, force_tracking: bool) -> None:
-    """
-    Refuse the law `series` on a robot that tracks force itself.
-
-    Parameters
-    ----------
-    law : str
-        Name of the law.
-    force_tracking : bool
-        Whether the robot adds F_r to its control force.
-
-    Raises
-    ------
-    ParameterRangeError
-        If both are chosen: 74.5 N result instead of 50 N on the benchmark.
-
-    """
+    """Refuse the law `series` on a robot that tracks force itself."""
     if law == 'series' and force_tracking:
         raise ParameterRangeError(
             'reference_law series and a robot with force_tracking both correct for K_t, which '

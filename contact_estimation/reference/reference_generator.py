@@ -36,11 +36,6 @@ class ReferenceGenerator:
     limited : bool
         Whether a limit keeps the last reference away from what it should be.
 
-    Raises
-    ------
-    ParameterRangeError
-        If `series` is combined with force tracking by the robot.
-
     """
 
     def __init__(
@@ -74,20 +69,7 @@ class ReferenceGenerator:
     def configure(
         self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
     ) -> None:
-        """
-        Change law or limits while running; x_r stays continuous.
-
-        Parameters
-        ----------
-        law, parameters, period_s
-            As for the constructor.
-
-        Raises
-        ------
-        ParameterRangeError
-            If `series` is combined with force tracking by the robot.
-
-        """
+        """Change law or limits while running; x_r stays continuous."""
         refuse_double_tracking(law, parameters.robot_force_tracking)
         if law != self._law or parameters != self._p:
             self._mode = None if self._last is None else 'changed'
@@ -116,11 +98,6 @@ class ReferenceGenerator:
             Estimated stiffness [N/m].
         deepest : float
             Largest x_r [m]; NaN: no limit.
-
-        Returns
-        -------
-        reference : Reference
-            Finite, continuous in position, within the limits.
 
         """
         position, velocity, acceleration, force = desired
@@ -216,11 +193,6 @@ def limited(
         Largest |dx_r/dt| [m/s].
     deepest : float
         Largest x_r [m]; NaN: no limit.
-
-    Returns
-    -------
-    reference : Reference
-        With the force of the target.
 
     """
     position, velocity, acceleration, force = target

@@ -77,11 +77,6 @@ class Errors(NamedTuple):
         stiffness_bound, damping_bound : float
             Cramer-Rao standard deviations [N/m], [N s/m].
 
-        Returns
-        -------
-        errors : Errors
-            In percent of K_e and B_e.
-
         """
         return cls(
             100.0 * (estimate.stiffness / K_E - 1.0), 100.0 * (estimate.damping / B_E - 1.0),
@@ -114,20 +109,7 @@ class Case(ABC):
 
     @abstractmethod
     def run(self, seed: int) -> Errors:
-        """
-        Run the case.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the sensor noise.
-
-        Returns
-        -------
-        errors : Errors
-            Errors at the last instant of contact.
-
-        """
+        """Run the case."""
 
 
 @dataclass(frozen=True)
@@ -152,20 +134,7 @@ class OnlineCase(Case):
 
     @abstractmethod
     def simulate(self, seed: int) -> ClosedLoopRun:
-        """
-        Simulate the closed loop.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the sensor noise.
-
-        Returns
-        -------
-        run : ClosedLoopRun
-            Truth and result of every sample.
-
-        """
+        """Simulate the closed loop."""
 
     def experiment(self) -> Experiment:
         """Build the manoeuvre of the case."""
@@ -202,20 +171,7 @@ class StepCase(Case):
 
     @abstractmethod
     def estimate(self, seed: int) -> OfflineEstimate:
-        """
-        Record the step response and estimate.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the sensor noise.
-
-        Returns
-        -------
-        estimate : OfflineEstimate
-            Estimate of K_e and B_e.
-
-        """
+        """Record the step response and estimate."""
 
     def run(self, seed: int) -> Errors:
         """Estimate once; see `Case.run`."""
@@ -233,11 +189,6 @@ def step_reference(t: float) -> Reference:
     t : float
         Time [s].
 
-    Returns
-    -------
-    reference : Reference
-        x_r at x_e = 0, then at the depth at which the target impedance presses with 50 N.
-
     """
     K_t = TargetImpedance().stiffness
     depth = DESIRED_FORCE * (K_t + K_E) / (K_t * K_E)
@@ -247,13 +198,6 @@ def step_reference(t: float) -> Reference:
 def bounds(used: Sequence[Truth], with_inertia: bool) -> tuple[float, float]:
     """
     Compute the Cramer-Rao standard deviations of K_e and B_e.
-
-    Parameters
-    ----------
-    used : sequence of Truth
-        Samples in contact; x_e = 0.
-    with_inertia : bool
-        Whether the model has M_e as a third parameter.
 
     Returns
     -------

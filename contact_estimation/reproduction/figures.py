@@ -30,20 +30,7 @@ Runs = list[tuple[OnlineCase, ClosedLoopRun]]
 
 
 def plot_figures(folder: Path) -> list[Path]:
-    """
-    Plot all figures with seed 0.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the figures; created if missing.
-
-    Returns
-    -------
-    paths : list of Path
-        The PNG files.
-
-    """
+    """Plot all figures with seed 0."""
     pyplot = require_matplotlib()
     folder.mkdir(parents=True, exist_ok=True)
     return [

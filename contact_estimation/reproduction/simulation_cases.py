@@ -60,20 +60,7 @@ class SimulationStepCase(StepCase):
 
 
 def step_recording(seed: int) -> ContactRecording:
-    """
-    Record the step response of the simulated plant.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the noise.
-
-    Returns
-    -------
-    recording : ContactRecording
-        With 0.5 s of rest before the step.
-
-    """
+    """Record the step response of the simulated plant."""
     target = TargetImpedance()
     plant = build(PlantParameters, {
         **PAPER_NOISE, 'seed': seed, 'robot.mass': target.mass, 'robot.damping': target.damping,

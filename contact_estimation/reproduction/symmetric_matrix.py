@@ -12,22 +12,7 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 
 def solve(matrix: Symmetric, right: Triple) -> Triple:
-    """
-    Solve a symmetric positive definite 3 x 3 system by Cramer's rule.
-
-    Parameters
-    ----------
-    matrix : tuple of float
-        Upper triangle.
-    right : tuple of float
-        Right-hand side.
-
-    Returns
-    -------
-    solution : tuple of float
-        Solution vector.
-
-    """
+    """Solve a symmetric positive definite 3 x 3 system by Cramer's rule."""
     m11, m12, m13, m22, m23, m33 = matrix
     r1, r2, r3 = right
     k11, k12, k13 = m22 * m33 - m23 * m23, m13 * m23 - m12 * m33, m12 * m23 - m13 * m22
@@ -41,22 +26,7 @@ def solve(matrix: Symmetric, right: Triple) -> Triple:
 
 
 def times(matrix: Symmetric, vector: Triple) -> Triple:
-    """
-    Multiply a symmetric matrix by a vector.
-
-    Parameters
-    ----------
-    matrix : tuple of float
-        Upper triangle.
-    vector : tuple of float
-        Vector of length three.
-
-    Returns
-    -------
-    product : tuple of float
-        Vector of length three.
-
-    """
+    """Multiply a symmetric matrix by a vector."""
     m11, m12, m13, m22, m23, m33 = matrix
     v1, v2, v3 = vector
     return (

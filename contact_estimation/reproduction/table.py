@@ -20,24 +20,7 @@ ALL_CASES: list[Case] = [*SIMULATION_CASES, *TESTBED_CASES]
 
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
-    """
-    Run all cases with all seeds.
-
-    Parameters
-    ----------
-    seeds : int
-        Runs of each case, with the seeds 0, 1, ...; at most `Case.max_runs`.
-    jobs : int
-        Number of processes.
-    progress : callable
-        Called with the completed fraction.
-
-    Returns
-    -------
-    rows : list of dict
-        One row per case, see `row_of`.
-
-    """
+    """Run all cases with all seeds."""
     tasks = [(index, seed) for index, case in enumerate(ALL_CASES)
              for seed in range(min(seeds, case.max_runs))]
     errors: list[list[Errors]] = [[] for _ in ALL_CASES]
@@ -55,23 +38,7 @@ def _run(task: tuple[int, int]) -> Errors:
 
 
 def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
-    """
-    Summarise the runs of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    errors : list of Errors
-        Errors of each run.
-
-    Returns
-    -------
-    row : dict
-        Medians of |error| and of the bounds, RMS errors, errors of the average estimate, and the
-        paper's errors; null where there is no value.
-
-    """
+    """Summarise the runs of a case."""
     values = np.array(errors)
     median = np.median(np.abs(values), axis=0)
     rms = np.sqrt(np.mean(values**2, axis=0))
@@ -100,20 +67,7 @@ def _or_none(value: float) -> float | None:
 
 
 def as_text(rows: list[dict[str, Any]]) -> str:
-    """
-    Format the table.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of `make_table`.
-
-    Returns
-    -------
-    text : str
-        One line per row, K_e / B_e in percent.
-
-    """
+    """Format the table."""
     lines = [
         f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
         f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]'

@@ -31,17 +31,7 @@ class Tip(NamedTuple):
 
 
 class PlanarArm:
-    """
-    Equations of motion M(a) a'' + h(a, a') = T + J^T F.
-
-    Parameters
-    ----------
-    constants : ArmConstants
-        Links, rotors and friction.
-    rotors : bool
-        Whether the inertia of the rotors is included; the controller's model lacks it.
-
-    """
+    """Equations of motion M(a) a'' + h(a, a') = T + J^T F."""
 
     def __init__(self, constants: ArmConstants, rotors: bool = True) -> None:
         self._p = p = constants
@@ -197,11 +187,6 @@ class PlanarArm:
         ----------
         angles, rates : tuple of float
             Link angles and rates [rad], [rad/s].
-
-        Returns
-        -------
-        tip : Tip
-            Pose and rate.
 
         """
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)

@@ -86,22 +86,7 @@ class TestbedStepCase(StepCase):
 
 
 def record_testbed_step(seed: int, as_paper: bool) -> ContactRecording:
-    """
-    Record the step response of the testbed.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the sensors.
-    as_paper : bool
-        Whether the data are processed as in the paper, else raw.
-
-    Returns
-    -------
-    recording : ContactRecording
-        With 0.5 s of rest before the step.
-
-    """
+    """Record the step response of the testbed."""
     acquisition = _acquisition(as_paper)
     target = TargetImpedance()
     return record_testbed(target, step_reference, 0.0, STEP_RUN_S, acquisition, seed).contact
@@ -123,11 +108,6 @@ def online_cases(case: str, excitation: str, hold_s: float = 2.0) -> list[Testbe
         'sine', 'prbs' or 'none'.
     hold_s : float
         Duration of the hold at depth [s].
-
-    Returns
-    -------
-    cases : list of TestbedCase
-        The paper's two algorithms with their tuning in simulation, and the best estimator.
 
     """
     def online(estimator: str, law: str, tuning: Mapping[str, Any], **more: Any) -> TestbedCase:

@@ -21,13 +21,6 @@ class ImpedanceController:
     T = M_hat J^-1 (x''_d - J' a') + h_hat - J^T F. The model lacks the
     rotors and part of the joint friction: the actual impedance differs from the target.
 
-    Parameters
-    ----------
-    constants : TestbedConstants
-        Arm and errors of its model.
-    target : TargetImpedance
-        M_t, B_t and K_t along the contact axis.
-
     """
 
     def __init__(self, constants: TestbedConstants, target: TargetImpedance) -> None:

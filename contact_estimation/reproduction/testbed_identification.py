@@ -33,18 +33,6 @@ def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
     The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale follows from
     K_t, which the controller realises exactly: at rest neither inertia nor damping acts.
 
-    Parameters
-    ----------
-    target : TargetImpedance
-        Impedance commanded to the controller.
-    seed : int
-        Seed of the sensors.
-
-    Returns
-    -------
-    impedance : TargetImpedance
-        Actual impedance of the arm.
-
     """
     recording = _free_step(target, seed)
     contact = recording.contact

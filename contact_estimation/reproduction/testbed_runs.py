@@ -54,22 +54,6 @@ def run_testbed(
 
     The reference computed from sample k is followed from sample k + 1 on.
 
-    Parameters
-    ----------
-    session : ContactSession
-        New instance.
-    experiment : Experiment
-        Desired motion.
-    acquisition : Acquisition
-        New instance.
-    seed : int
-        Seed of the sensors.
-
-    Returns
-    -------
-    run : ClosedLoopRun
-        One entry per sample.
-
     """
     period = 1.0 / TESTBED.sample_rate
     period_ns = round(1e9 * period)
@@ -114,11 +98,6 @@ def record_testbed(
         New instance.
     seed : int
         Seed of the sensors.
-
-    Returns
-    -------
-    recording : ArmRecording
-        One entry per sample.
 
     """
     period = 1.0 / TESTBED.sample_rate

@@ -53,11 +53,6 @@ class PaperAcquisition(Acquisition):
     All signals are Butterworth-filtered; the velocity is the filtered finite difference of the
     deflection; the static friction is subtracted from the force, whichever way the wall moves.
 
-    Parameters
-    ----------
-    constants : TestbedConstants
-        Filter and friction.
-
     """
 
     def __init__(self, constants: TestbedConstants) -> None:
@@ -75,22 +70,7 @@ class PaperAcquisition(Acquisition):
 
 
 def make_sensors(constants: TestbedConstants, seed: int) -> Sensors:
-    """
-    Build force sensor and potentiometer.
-
-    Parameters
-    ----------
-    constants : TestbedConstants
-        Noise and resolution.
-    seed : int
-        Seed of the noise.
-
-    Returns
-    -------
-    sensors : Sensors
-        Sensors without velocity.
-
-    """
+    """Build force sensor and potentiometer."""
     sensing = constants.sensing
     return Sensors(build(PlantParameters, {
         'sensors.force_noise': sensing.force_noise,

@@ -43,13 +43,6 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
     """
     Compute the rate of the untouched wall with rolling bearings.
 
-    Parameters
-    ----------
-    state : WallState
-        State of the wall.
-    wall : FlexibleWallConstants
-        Constants of the wall.
-
     Returns
     -------
     rate : float
@@ -75,11 +68,6 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
         Change of the deflection [m].
     wall : FlexibleWallConstants
         Constants of the wall.
-
-    Returns
-    -------
-    state : WallState
-        State after the step.
 
     """
     if step == 0.0:

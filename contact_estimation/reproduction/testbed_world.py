@@ -56,15 +56,7 @@ class TestbedWorld:
         return tip._replace(x=tip.x - self._p.arm.surface_x)
 
     def truth(self) -> Truth:
-        """
-        Return the current state of the wall.
-
-        Returns
-        -------
-        truth : Truth
-            Deflection of the wall and its rate as position and velocity, F_e as force.
-
-        """
+        """Return the current state of the wall."""
         force = self._force(self._angles, self._rates, self._wall)
         touching = force > 0.0
         rate = self.tip().x_dot if touching else free_rate(self._wall, self._p.wall)

@@ -29,41 +29,13 @@ class Errors(NamedTuple):
 
 
 def estimate(instants: Sequence[Instant], variant: str) -> list[ContactPointsEstimate]:
-    """
-    Run one variant of the estimator over a simulation.
-
-    Parameters
-    ----------
-    instants : sequence of Instant
-        Simulated motion and force.
-    variant : str
-        Key of VARIANTS.
-
-    Returns
-    -------
-    estimates : list of ContactPointsEstimate
-        One per instant.
-
-    """
+    """Run one variant of the estimator over a simulation."""
     estimator = ContactPointsEstimator(GEOMETRY, VARIANTS[variant])
     return [estimator.update(instant.sample) for instant in instants]
 
 
 def errors_of(estimate: ContactPointsEstimate) -> Errors:
-    """
-    Return the errors of an estimate against the simulated parameters.
-
-    Parameters
-    ----------
-    estimate : ContactPointsEstimate
-        Estimate to compare.
-
-    Returns
-    -------
-    errors : Errors
-        Signed errors.
-
-    """
+    """Return the errors of an estimate against the simulated parameters."""
     return Errors(
         100.0 * (estimate.stiffness / K_E - 1.0), 100.0 * (estimate.damping / B_E - 1.0),
         estimate.friction - MU,

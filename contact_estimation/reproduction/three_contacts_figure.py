@@ -25,19 +25,7 @@ def plot_three_contacts(
     runs: Mapping[str, Sequence[ContactPointsEstimate]],
     path: Path,
 ) -> None:
-    """
-    Plot the force at each point, the measured force and the estimates of each variant.
-
-    Parameters
-    ----------
-    instants : sequence of Instant
-        Simulated motion and force.
-    runs : mapping
-        Name of each variant to its estimates.
-    path : Path
-        PNG file to write.
-
-    """
+    """Plot the force at each point, the measured force and the estimates of each variant."""
     pyplot = require_matplotlib()
     figure, axes = pyplot.subplots(5, 1, figsize=(9.0, 11.0), sharex=True, layout='constrained')
     figure.suptitle('Three contact points, eq. (6)', color=_INK, x=0.01, ha='left', fontsize=12)

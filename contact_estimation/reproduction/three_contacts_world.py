@@ -85,11 +85,6 @@ def motion_at(t: float) -> ToolMotion:
     t : float
         Time [s].
 
-    Returns
-    -------
-    motion : ToolMotion
-        True motion.
-
     """
     place, rate = [*_START, _PITCH], [0.0] * 4
     for axis, begin, duration, way in _MOVES:
@@ -109,20 +104,7 @@ def motion_at(t: float) -> ToolMotion:
 
 
 def simulate(seed: int = 0) -> list[Instant]:
-    """
-    Simulate the measurements of force sensor and robot.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the noise.
-
-    Returns
-    -------
-    instants : list of Instant
-        500 per second.
-
-    """
+    """Simulate the measurements of force sensor and robot."""
     noise = np.random.default_rng(seed)
     return [_instant(k, noise) for k in range(round(DURATION * RATE))]
 

@@ -28,23 +28,7 @@ CHANGED = 'robot_description_changed'
 
 
 class ArmTopics:
-    """
-    Subscriptions that tell a session about its arm.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Owner of the subscriptions.
-    session : ContactSession
-        With an arm configured.
-    stage : ArmStage
-        Of the inputs of the session.
-    lock : threading.Lock
-        Held while the session is used.
-    publish : callable
-        Takes events, which a recording must hold.
-
-    """
+    """Subscriptions that tell a session about its arm."""
 
     def __init__(
         self, node: Node, session: ContactSession, stage: ArmStage, lock: Lock,
@@ -59,22 +43,7 @@ class ArmTopics:
     def subscribe(
         self, data: RawSubscriptions, on_motion: Callable[[bytes], None]
     ) -> None:
-        """
-        Subscribe to the description, where it is missing, and to tf, where it is installed.
-
-        Parameters
-        ----------
-        data : RawSubscriptions
-            Of the node.
-        on_motion : callable
-            Takes raw messages of /tf, where poses come from it.
-
-        Raises
-        ------
-        MissingPackageError
-            If poses are to come from tf and its messages are not installed.
-
-        """
+        """Subscribe to the description, where it is missing, and to tf, where it is installed."""
         of_poses = self._session.parameters.pose_source == 'tf'
         installed = has_transforms()
         if of_poses and not installed:

@@ -18,19 +18,7 @@ REVOLUTE = 'revolute_joint'
 
 
 class AxisDescription:
-    """
-    Warn where a joint of the description turns, but its positions are taken for metres.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Owner of the subscription.
-    session : ContactSession
-        Without an arm.
-    lock : threading.Lock
-        Held while the session is used.
-
-    """
+    """Warn where a joint of the description turns, but its positions are taken for metres."""
 
     def __init__(self, node: Node, session: ContactSession, lock: Lock) -> None:
         self._session, self._lock = session, lock

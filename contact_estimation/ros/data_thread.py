@@ -50,17 +50,7 @@ class _NeverByExecutor(CallbackGroup):
 
 
 class RawSubscriptions:
-    """
-    Raw subscriptions of a node, waited on together.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Owner of the subscriptions.
-    dedicated : bool
-        False: leave them to the node's executor, as usual in rclpy.
-
-    """
+    """Raw subscriptions of a node, waited on together."""
 
     def __init__(self, node: Node, dedicated: bool = True) -> None:
         self._node = node
@@ -81,31 +71,7 @@ class RawSubscriptions:
         self, topic: str, type_name: str, qos: QoSProfile, callback: Callback, wakes: bool = True,
         overrides: bool = False,
     ) -> Any:
-        """
-        Subscribe to a topic; the callback gets the serialised message.
-
-        Parameters
-        ----------
-        topic : str
-            Name, subject to remapping.
-        type_name : str
-            Such as 'geometry_msgs/msg/WrenchStamped'.
-        qos : QoSProfile
-            Quality of service.
-        callback : callable
-            Takes the bytes.
-        wakes : bool
-            False: messages wait until one of another topic arrives and are served before it;
-            waking the thread takes longer than processing the message.
-        overrides : bool
-            Whether parameters qos_overrides.TOPIC... may change the quality of service.
-
-        Returns
-        -------
-        subscription : rclpy.subscription.Subscription
-            For `forget`.
-
-        """
+        """Subscribe to a topic; the callback gets the serialised message."""
         subscription = self._node.create_subscription(
             message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group,
             qos_overriding_options=overridable() if overrides else None,
@@ -167,17 +133,7 @@ class RawSubscriptions:
 
 
 class DataThread:
-    """
-    Serve raw subscriptions on a dedicated thread until stopped.
-
-    Parameters
-    ----------
-    subscriptions : RawSubscriptions
-        What to serve; no thread starts where they are left to the executor.
-    on_error : callable
-        Called with an exception raised in a callback; the thread continues.
-
-    """
+    """Serve raw subscriptions on a dedicated thread until stopped."""
 
     def __init__(
         self, subscriptions: RawSubscriptions, on_error: Callable[[Exception], None]

@@ -44,13 +44,6 @@ class EstimatePublishers:
     """
     All outputs of the estimator node.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Owner of the publishers.
-    joint : str
-        Name of the contact axis in `reference_trajectory`.
-
     Attributes
     ----------
     compensated : CompensatedWrench or None
@@ -90,17 +83,7 @@ class EstimatePublishers:
         self.look_for_subscribers()
 
     def use(self, frame_id: str, axes: str) -> None:
-        """
-        Set the frame and the axes of all outputs.
-
-        Parameters
-        ----------
-        frame_id : str
-            Of the wrench.
-        axes : str
-            The estimated axes, the contact axis first.
-
-        """
+        """Set the frame and the axes of all outputs."""
         self.frame_id, self._further_axes = frame_id, axes[1:]
         self._places = ['xyz'.index(axis) for axis in axes]
         self._vectors = Vector3StampedEncoder(frame_id)
@@ -118,15 +101,7 @@ class EstimatePublishers:
         self._fit_wanted = self._publishers['model_fit'].get_subscription_count() > 0
 
     def publish(self, result: Result) -> None:
-        """
-        Publish one result.
-
-        Parameters
-        ----------
-        result : Result
-            Of one sample.
-
-        """
+        """Publish one result."""
         estimate, stamp_ns = result.estimates[0], result.sample.stamp_ns
         reference = result.reference
         if reference is not None:
@@ -164,15 +139,7 @@ class EstimatePublishers:
         return f'{estimate.reason}; {others}' if estimate.reason else others
 
     def publish_status(self, status: str, reason: str) -> None:
-        """
-        Publish the status where it differs from the last one.
-
-        Parameters
-        ----------
-        status, reason : str
-            As in an Estimate.
-
-        """
+        """Publish the status where it differs from the last one."""
         if (status, reason) != self._last_status:
             self._last_status = (status, reason)
             self._status.publish(encode_string(f'{status}: {reason}' if reason else status))
@@ -184,17 +151,7 @@ class EstimatePublishers:
             self._law.publish(encode_string(text))
 
     def publish_pose(self, pose: TargetPose, base: str) -> None:
-        """
-        Publish the target of an arm.
-
-        Parameters
-        ----------
-        pose : TargetPose
-            In the base frame.
-        base : str
-            Name of that frame.
-
-        """
+        """Publish the target of an arm."""
         message = PoseStamped()
         stamp, target = message.header.stamp, message.pose
         stamp.sec, stamp.nanosec = divmod(pose.stamp_ns, 1_000_000_000)

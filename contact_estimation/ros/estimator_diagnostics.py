@@ -87,39 +87,14 @@ class EstimatorDiagnostics:
         self._latencies_ns.append(self._now_ns() - stamp_ns)
 
     def failed(self, error: Exception) -> None:
-        """
-        Note an exception in a data callback.
-
-        Parameters
-        ----------
-        error : Exception
-            The exception, after which the node continues.
-
-        """
+        """Note an exception in a data callback."""
         self.errors += 1
         self.last_error = f'{type(error).__name__}: {error}'
 
     def message(
         self, stamp: Any, session: ContactSession, estimates: Sequence[Estimate]
     ) -> DiagnosticArray:
-        """
-        Return the diagnostic message.
-
-        Parameters
-        ----------
-        stamp : builtin_interfaces.msg.Time
-            Now.
-        session : ContactSession
-            Whose counters are reported.
-        estimates : sequence of Estimate
-            The last one of each axis; empty before the first.
-
-        Returns
-        -------
-        message : DiagnosticArray
-            One status with all values.
-
-        """
+        """Return the diagnostic message."""
         estimate = estimates[0] if estimates else None
         starved = self.processed == self._before[0]
         warnings = self._warnings(session, starved)

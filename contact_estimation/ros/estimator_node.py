@@ -55,11 +55,6 @@ class EstimatorNode(Node):
     Samples are processed on the data thread; parameters, services and diagnostics on that of the
     executor. Under the lock every event falls between two samples.
 
-    Raises
-    ------
-    ContactEstimationError
-        If a parameter is unknown or not valid.
-
     """
 
     finished = False
@@ -264,20 +259,7 @@ class EstimatorNode(Node):
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the node until it is interrupted.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Run the node until it is interrupted."""
     return run_node(EstimatorNode, PURPOSE, all_specifications(), args, topics.WRENCH)
 
 

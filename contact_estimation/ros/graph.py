@@ -19,15 +19,7 @@ _OTHER_JOINTS = 'joint_states_joint_unknown'
 
 
 class Graph:
-    """
-    Warn of several publishers of one measurement, and of several nodes of one name.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        The estimator node.
-
-    """
+    """Warn of several publishers of one measurement, and of several nodes of one name."""
 
     def __init__(self, node: Node) -> None:
         self._node, self._looked = node, -inf

@@ -94,16 +94,6 @@ def configure(
     lockstep : bool
         The plant waits for the answer to each sample; otherwise as the file says.
 
-    Returns
-    -------
-    configuration : LoopConfiguration
-        Valid for all nodes.
-
-    Raises
-    ------
-    ContactEstimationError
-        If a file, name or value is not valid.
-
     """
     played = experiment_named(experiment)
     seconds = _duration(duration, played)
@@ -159,21 +149,7 @@ def write_parameters(
     path: Path, configuration: LoopConfiguration, recording: Path,
     plant_summary: Path | None = None,
 ) -> None:
-    """
-    Write the parameter file of all nodes.
-
-    Parameters
-    ----------
-    path : Path
-        YAML file to write.
-    configuration : LoopConfiguration
-        Parameters of estimator and plant.
-    recording : Path
-        Folder that the recorder writes.
-    plant_summary : Path, optional
-        JSON file that the plant writes at its end; none by default.
-
-    """
+    """Write the parameter file of all nodes."""
     estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
     nodes = {
         'estimator_node': {**(_RELIABLY if plant.get('lockstep') else {}), **estimator},

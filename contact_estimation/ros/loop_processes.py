@@ -27,11 +27,6 @@ class LoopProcesses:
     Each process has its own session, so that Ctrl-C reaches only the loop, which then stops them
     in order: the recorder last, when no more messages arrive.
 
-    Parameters
-    ----------
-    parameters : Path
-        ROS 2 parameter file for all of them.
-
     """
 
     def __init__(self, parameters: Path) -> None:
@@ -57,11 +52,6 @@ class LoopProcesses:
             Expected length of the run [s].
         report_progress : callable
             Called with the fraction done.
-
-        Returns
-        -------
-        failure : str
-            Description of what failed; '' on success.
 
         """
         signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -103,11 +93,6 @@ def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
     timeout_s : float
         Time from the interrupt to the kill [s].
 
-    Returns
-    -------
-    ended : bool
-        Whether it ended without being killed.
-
     """
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
@@ -121,20 +106,7 @@ def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
 
 
 def require_rclpy(command: str) -> None:
-    """
-    Check that rclpy is installed.
-
-    Parameters
-    ----------
-    command : str
-        Name of the command that needs it.
-
-    Raises
-    ------
-    MissingPackageError
-        If rclpy is not installed.
-
-    """
+    """Check that rclpy is installed."""
     if importlib.util.find_spec('rclpy') is None:
         raise MissingPackageError(
             f'{command} needs ROS 2 (rclpy), which this Python does not have; source your ROS '

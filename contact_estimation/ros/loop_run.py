@@ -60,11 +60,6 @@ class RecordedRun:
         t : float
             Time since the start [s].
 
-        Returns
-        -------
-        value : float
-            NaN if there is none.
-
         """
         series = self.series[name]
         index = int(np.searchsorted(series[:, 0], t + 1e-6, side='right')) - 1
@@ -72,27 +67,7 @@ class RecordedRun:
 
 
 def read_run(recording: Path, plant_summary: Path) -> RecordedRun:
-    """
-    Read a run.
-
-    Parameters
-    ----------
-    recording : Path
-        The recording.
-    plant_summary : Path
-        JSON file that the plant node writes at its end; may be missing.
-
-    Returns
-    -------
-    run : RecordedRun
-        All series; empty ones for topics that were not recorded.
-
-    Raises
-    ------
-    RecordingError
-        If the recording has no wrench.
-
-    """
+    """Read a run."""
     reader = RecordingReader(recording)
     decoders = _decoders(reader)
     rows: dict[str, list[tuple[int, float]]] = {}

@@ -22,24 +22,7 @@ _EXPLAINED = 0.1  # of the gap
 
 
 def summarise(run: RecordedRun, configuration: LoopConfiguration) -> dict[str, Any]:
-    """
-    Return the content of summary.json.
-
-    Parameters
-    ----------
-    run : RecordedRun
-        What was recorded.
-    configuration : LoopConfiguration
-        What was run, including the true wall.
-
-    Returns
-    -------
-    summary : dict
-        Estimates at the last instant of contact, mean force over the hold, and what the plant
-        measured; None where a value does not exist. `eq20_force_n` is what eq. (20) alone
-        makes of the desired force, `disturbed` lists what disturbed the run.
-
-    """
+    """Return the content of summary.json."""
     measured, wall = run.plant, configuration.plant.environment
     last_contact = measured.get('last_contact_stamp_ns')
     t = (last_contact - measured['begin_stamp_ns']) * 1e-9 if last_contact else -1.0
@@ -76,11 +59,6 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
     sample_rate : float
         Of the plant [Hz].
 
-    Returns
-    -------
-    reasons : list of str
-        Dropped samples, references later than two cycles; empty for an undisturbed run.
-
     """
     reasons = []
     sent, lost = measured.get('samples_sent'), measured.get('samples_lost')
@@ -97,20 +75,7 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
 
 
 def gap_explained(summary: Mapping[str, Any]) -> bool:
-    """
-    Return whether eq. (20) alone explains that the mean force is not the desired one.
-
-    Parameters
-    ----------
-    summary : mapping
-        Of `summarise`.
-
-    Returns
-    -------
-    explained : bool
-        Whether there is a gap, and the mean force is that of the law to a tenth of the gap.
-
-    """
+    """Return whether eq. (20) alone explains that the mean force is not the desired one."""
     mean, desired, law = (summary[name] for name in ('mean_force_n', 'desired_force_n',
                                                      'eq20_force_n'))
     if mean is None or desired is None or law is None:

@@ -25,11 +25,6 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
     Parameters can be set in every state. What arrives while the node is not active is ignored, so
     that a deactivation is a gap in the stamps. Cleaning up resets the estimate.
 
-    Raises
-    ------
-    ContactEstimationError
-        If a parameter is unknown or not valid.
-
     """
 
     def __init__(self) -> None:
@@ -94,20 +89,7 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the node until it is shut down or interrupted.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Run the node until it is shut down or interrupted."""
     return run_node(ManagedEstimatorNode, PURPOSE, all_specifications(), args, WRENCH)
 
 

@@ -24,17 +24,6 @@ class MatchedSubscriptions:
     subscribed to once its publishers are known, reliably if all of them are, and anew when the
     first comes that is not.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Owner of the subscriptions.
-    data : RawSubscriptions
-        Serves them.
-    caught_up : callable
-        Returns once all that has arrived is served.
-    depth : int
-        Messages that are queued.
-
     """
 
     def __init__(

@@ -23,19 +23,6 @@ def has_transforms() -> bool:
 
 @lru_cache(maxsize=None)
 def message_class(type_name: str) -> Any:
-    """
-    Import the class of a message type.
-
-    Parameters
-    ----------
-    type_name : str
-        Such as 'geometry_msgs/msg/WrenchStamped'.
-
-    Returns
-    -------
-    cls : type
-        The class that rosidl generated.
-
-    """
+    """Import the class of a message type."""
     package, kind, name = type_name.split('/')
     return getattr(import_module(f'{package}.{kind}'), name)

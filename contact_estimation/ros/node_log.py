@@ -16,15 +16,7 @@ _QUIET_S = 1.0  # between two changes of state
 
 
 class NodeLog:
-    """
-    Start, changes and warnings of an estimator node, throttled.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Whose log it is.
-
-    """
+    """Start, changes and warnings of an estimator node, throttled."""
 
     def __init__(self, node: Any) -> None:
         self._node, self._logger = node, node.get_logger()

@@ -25,30 +25,7 @@ _LARGEST_INTEGER = 2**63 - 1
 
 
 def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, Any]:
-    """
-    Declare parameters on a node, with the values of its parameter files.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        The node.
-    known : iterable of ParameterSpecification
-        Its parameters.
-
-    Returns
-    -------
-    values : dict
-        Dotted name to value.
-
-    Raises
-    ------
-    UnknownNameError
-        If a file or the command line sets a parameter that does not exist; rclpy alone would
-        ignore it silently.
-    ParameterRangeError
-        If a value is out of range.
-
-    """
+    """Declare parameters on a node, with the values of its parameter files."""
     specs = {spec.name: spec for spec in known}
     # rclpy offers no public way to see overrides that were not declared.
     overrides = getattr(node, '_parameter_overrides', {})
@@ -66,20 +43,7 @@ def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, An
 
 
 def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
-    """
-    Return the ROS descriptor of a parameter.
-
-    Parameters
-    ----------
-    spec : ParameterSpecification
-        Its specification.
-
-    Returns
-    -------
-    descriptor : ParameterDescriptor
-        With description, unit and range.
-
-    """
+    """Return the ROS descriptor of a parameter."""
     unit = f' [{spec.unit}]' if spec.unit else ''
     message = ParameterDescriptor(
         name=spec.name,
@@ -105,20 +69,7 @@ def serve_changes(
     known: Iterable[ParameterSpecification],
     change: Callable[[Mapping[str, Any]], None],
 ) -> None:
-    """
-    Apply changes of ROS parameters at run time.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        The node.
-    known : iterable of ParameterSpecification
-        Its parameters.
-    change : callable
-        Called with dotted names and values; a ContactEstimationError rejects them, with its
-        text as the reason.
-
-    """
+    """Apply changes of ROS parameters at run time."""
 
     def on_set(parameters: list[Any]) -> SetParametersResult:
         changes = {p.name: _plain(p.value) for p in parameters

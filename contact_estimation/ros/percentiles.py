@@ -9,20 +9,7 @@ from typing import Sequence
 
 
 def percentiles(values: Sequence[float]) -> dict[str, float | None]:
-    """
-    Return median, 99th percentile and maximum.
-
-    Parameters
-    ----------
-    values : sequence of float
-        In any order.
-
-    Returns
-    -------
-    figures : dict
-        p50, p99, max; None each without values.
-
-    """
+    """Return median, 99th percentile and maximum."""
     ordered = sorted(values)
     if not ordered:
         return {'p50': None, 'p99': None, 'max': None}

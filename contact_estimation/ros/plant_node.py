@@ -44,15 +44,7 @@ def all_specifications() -> list[ParameterSpecification]:
 
 
 class PlantNode(Node):
-    """
-    The simulated world on a clock: sample k is stamped exactly t0 + k T and sent then.
-
-    Raises
-    ------
-    ContactEstimationError
-        If a parameter is unknown or not valid, or the experiment cannot be read.
-
-    """
+    """The simulated world on a clock: sample k is stamped exactly t0 + k T and sent then."""
 
     def __init__(self) -> None:
         super().__init__('plant_node')
@@ -212,20 +204,7 @@ class PlantNode(Node):
 
 
 def require_impedance(plant: PlantParameters) -> None:
-    """
-    Refuse a bare arm: no topic carries the force that would have to push it.
-
-    Parameters
-    ----------
-    plant : PlantParameters
-        The world.
-
-    Raises
-    ------
-    ParameterRangeError
-        If the robot is commanded by force.
-
-    """
+    """Refuse a bare arm: no topic carries the force that would have to push it."""
     if plant.robot.control != 'impedance':
         raise ParameterRangeError(
             f'robot.control must be impedance in plant_node, got {plant.robot.control}; a bare '
@@ -234,20 +213,7 @@ def require_impedance(plant: PlantParameters) -> None:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the node until its experiment is over or it is interrupted.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Run the node until its experiment is over or it is interrupted."""
     return run_node(PlantNode, PURPOSE, all_specifications(), args)
 
 

@@ -64,34 +64,11 @@ class PlantStatistics:
             self._newest = max(self._newest, k)
 
     def has_answer(self, k: int) -> bool:
-        """
-        Return whether sample k, or a later one, has been answered.
-
-        Parameters
-        ----------
-        k : int
-            Index of the sample; before the first there is nothing to answer.
-
-        Returns
-        -------
-        answered : bool
-            Whether nothing is to wait for.
-
-        """
+        """Return whether sample k, or a later one, has been answered."""
         return k <= self._newest
 
     def summary(self) -> dict[str, Any]:
-        """
-        Return the statistics.
-
-        Returns
-        -------
-        summary : dict
-            samples_sent, samples_lost, samples_late (more than two periods), rate_hz, latency_ms
-            {p50, p99, max}, references_unusable, last_contact_stamp_ns (null without contact),
-            begin_stamp_ns.
-
-        """
+        """Return the statistics."""
         count = len(self._sent)
         spent = (self._sent[-1] - self._sent[0]) * 1e-9 if count > 1 else 0.0
         last = self._last_contact

@@ -49,20 +49,7 @@ class RecorderParameters(ParameterGroup):
 
 
 def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
-    """
-    List what is recorded.
-
-    Parameters
-    ----------
-    estimator : str
-        Name of the estimator node.
-
-    Returns
-    -------
-    topics : dict
-        Topic to its type and the quality of service to subscribe with; None: as is offered.
-
-    """
+    """List what is recorded."""
     vectors = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
     of_any_publisher = {
         topics.DESIRED: topics.TRAJECTORY,
@@ -90,15 +77,7 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
 
 
 class RecorderNode(Node):
-    """
-    Raw subscriptions into a RecordingWriter.
-
-    Raises
-    ------
-    ContactEstimationError
-        If the folder exists already or cannot be written.
-
-    """
+    """Raw subscriptions into a RecordingWriter."""
 
     finished = False
 
@@ -169,20 +148,7 @@ class RecorderNode(Node):
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Record until interrupted.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Record until interrupted."""
     known: Any = list(specifications(RecorderParameters))
     return run_node(RecorderNode, PURPOSE, known, args, topics.WRENCH)
 

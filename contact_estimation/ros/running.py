@@ -48,28 +48,7 @@ def run_node(
     args: Sequence[str] | None,
     topic: str = '',
 ) -> int:
-    """
-    Run a node until it has finished or is interrupted.
-
-    Parameters
-    ----------
-    make : callable
-        Makes the node.
-    purpose : str
-        First line of the help: name of the program, a colon and what it does.
-    known : iterable of ParameterSpecification
-        For the help.
-    args : sequence of str or None
-        Command line; None takes that of the process.
-    topic : str
-        For the help: the input that users remap; '' for none.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Run a node until it has finished or is interrupted."""
     arguments = list(sys.argv[1:] if args is None else args)
     if '--help' in arguments or '-h' in arguments:
         print(help_text(purpose, known, topic))
@@ -137,24 +116,7 @@ def _deliver(node: Node) -> None:
 def help_text(
     purpose: str, known: Iterable[ParameterSpecification], topic: str = ''
 ) -> str:
-    """
-    Write the help of a node.
-
-    Parameters
-    ----------
-    purpose : str
-        Name of the program, a colon and what it does.
-    known : iterable of ParameterSpecification
-        Its parameters.
-    topic : str
-        An input, for an example of remapping; '' for none.
-
-    Returns
-    -------
-    text : str
-        To be printed.
-
-    """
+    """Write the help of a node."""
     remapping = f' -r {topic}:=/my/{topic}' if topic else ''
     lines = [
         purpose,

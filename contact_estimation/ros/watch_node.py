@@ -51,15 +51,7 @@ class WatchParameters(ParameterGroup):
 
 
 class WatchNode(Node):
-    """
-    Raw subscriptions into a view, which is flushed ten times a second.
-
-    Raises
-    ------
-    ContactEstimationError
-        If Rerun is not installed.
-
-    """
+    """Raw subscriptions into a view, which is flushed ten times a second."""
 
     finished = False
 
@@ -103,20 +95,7 @@ class WatchNode(Node):
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """
-    Watch until interrupted, at a low priority that the viewer inherits.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 with one line on stderr.
-
-    """
+    """Watch until interrupted, at a low priority that the viewer inherits."""
     if hasattr(os, 'nice'):
         os.nice(_NICENESS)
     known: Any = list(specifications(WatchParameters))

@@ -30,11 +30,6 @@ class ButterworthBank:
     sample_rate : float
         Nominal sampling frequency [Hz].
 
-    Raises
-    ------
-    ParameterRangeError
-        As by `check_cutoff`.
-
     """
 
     def __init__(self, channels: int, cutoff_frequency: float, sample_rate: float) -> None:
@@ -80,20 +75,7 @@ class ButterworthBank:
             self._s2 = [(self._b0 - self._a2) * x for x in row]
 
     def take(self, row: Row) -> Row:
-        """
-        Filter the next row.
-
-        Parameters
-        ----------
-        row : sequence of float, of length channels
-            The signals at one instant.
-
-        Returns
-        -------
-        filtered : sequence of float
-            The same filtered.
-
-        """
+        """Filter the next row."""
         if self._passes:
             return row
         b0, a1, a2, s1, s2 = self._b0, self._a1, self._a2, self._s1, self._s2
@@ -115,12 +97,6 @@ def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:
     ----------
     cutoff_frequency, sample_rate : float
         In [Hz].
-
-    Raises
-    ------
-    ParameterRangeError
-        If it is not below half of the sample rate, or so low that the coefficients lose their
-        digits (b0 is about (pi cutoff / rate)^2).
 
     """
     lowest, highest = LOWEST_CUTOFF * sample_rate, 0.5 * sample_rate

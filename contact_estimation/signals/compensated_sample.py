@@ -62,9 +62,4 @@ class SampleCompensation(Protocol):
         pressing : float
             -F_e less the bias [N].
 
-        Returns
-        -------
-        sample : CompensatedSample
-            The terms that are left, finite but for `depth` where the location is not known.
-
         """

@@ -54,20 +54,7 @@ class ContactRecording:
 
     @classmethod
     def of(cls, samples: Sequence[ContactSample]) -> 'ContactRecording':
-        """
-        Return samples stacked into arrays.
-
-        Parameters
-        ----------
-        samples : sequence of ContactSample
-            In the order of their stamps.
-
-        Returns
-        -------
-        recording : ContactRecording
-            Of length len(samples).
-
-        """
+        """Return samples stacked into arrays."""
         columns = list(zip(*samples)) or [(), (), (), ()]
         return cls(
             np.array(columns[0], np.int64), *(np.array(c, np.float64) for c in columns[1:])

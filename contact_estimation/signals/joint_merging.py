@@ -24,12 +24,6 @@ class JointMerger:
     source has reached; sources that have gone further are interpolated to it. A message that has
     all joints is passed on as it is.
 
-    Parameters
-    ----------
-    continuous : sequence of bool
-        For each joint, whether its position is an angle modulo 2 pi; a jump of more than pi is
-        then a full turn of the number and not of the joint.
-
     """
 
     def __init__(self, continuous: Sequence[bool]) -> None:
@@ -51,11 +45,6 @@ class JointMerger:
             Its stamp [ns].
         positions, velocities : sequence of float
             Of all joints [rad], [rad/s] or [m], [m/s]; NaN where the message has none.
-
-        Returns
-        -------
-        row : (int, sequence of float) or None
-            Stamp; positions, then velocities, of all joints. None while a joint is missing.
 
         """
         places = tuple([k for k, value in enumerate(positions) if value == value])

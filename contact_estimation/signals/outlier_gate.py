@@ -28,13 +28,6 @@ class OutlierGate:
     quantile of its errors, on which outliers have no leverage. The way out: after a number of
     outliers in a row on the same side, the line starts afresh from the last of them.
 
-    Parameters
-    ----------
-    threshold : float
-        Standard deviations beyond which a force is an outlier; 0: none is.
-    samples : int
-        Number of consecutive outliers on the same side that are a change.
-
     Attributes
     ----------
     count : int

@@ -62,11 +62,6 @@ class Relation(ABC):
         pressing : float
             -F_e, less the force of known physics [N].
 
-        Returns
-        -------
-        row : sequence of float or None
-            (y, phi_K, phi_B, phi_c, phi_M); None while consecutive samples are lacking.
-
         """
 
 
@@ -167,20 +162,7 @@ class GatedRows:
     def in_contact(
         self, dt: float, delta: float, velocity: float, pressing: float
     ) -> Row | None:
-        """
-        Return the filtered row of a sample in contact.
-
-        Parameters
-        ----------
-        dt, delta, velocity, pressing : float
-            As for `Relation.row`.
-
-        Returns
-        -------
-        row : row or None
-            None while consecutive samples are lacking.
-
-        """
+        """Return the filtered row of a sample in contact."""
         return self._filtered(self._relation.row(dt, delta, velocity, pressing))
 
     def compensated(self, dt: float, now: CompensatedSample) -> Row | None:

@@ -35,13 +35,6 @@ class StampScreen:
     refutes it, or `CONFIRMING` messages that increase prove that the clock was set, or that both
     topics were silent. All of them are used then.
 
-    Parameters
-    ----------
-    kind : str
-        Of the messages, for the reasons of rejections.
-    rejected : Counter
-        Where rejected messages are counted, by reason.
-
     Attributes
     ----------
     held : list of Message
@@ -76,12 +69,6 @@ class StampScreen:
             Largest distance behind them on one clock [ns].
         offset_ns : int
             What was added to the stamps of this topic [ns].
-
-        Returns
-        -------
-        messages : list of Message
-            None, the message, or all that it confirms; the first is before `last_ns` where the
-            clock was set back.
 
         """
         stamp_ns = message[0]

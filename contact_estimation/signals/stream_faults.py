@@ -89,15 +89,7 @@ class Courses(NamedTuple):
     other: float
 
     def text(self, signal: str, topic: str, unit: str) -> str:
-        """
-        Return the warning, with its remedy, more likely causes first.
-
-        Parameters
-        ----------
-        signal, topic, unit : str
-            Such as 'force', 'wrench', 'N'.
-
-        """
+        """Return the warning, with its remedy, more likely causes first."""
         return (f'the {signal} changes from sample to sample between two courses, usually '
                 f'{self.one:.3g} and {self.other:.3g} {unit}: two publishers or two sensors on '
                 f'the topic {topic}, or a driver that fills in values it has not measured; leave '

@@ -77,13 +77,6 @@ class Synchroniser:
     and their stamps, not on which topic was served first. Stamps are screened before all else, see
     `StampScreen`.
 
-    Parameters
-    ----------
-    parameters : SynchronisationParameters
-        Time limits and ranges.
-    sample : callable
-        Takes stamp, motion and forces and returns the sample; by default those of prismatic axes.
-
     Attributes
     ----------
     rejected : Counter
@@ -185,11 +178,6 @@ class Synchroniser:
         motion : sequence of float
             x of each axis [m], then its rate of each axis [m/s], NaN where not measured.
 
-        Returns
-        -------
-        samples : sequence of AxesSample
-            All that this joint state completes.
-
         """
         stamp_ns += self._offset_ns
         last_ns, screen = self._last_motion_ns, self._motion_screen
@@ -241,11 +229,6 @@ class Synchroniser:
             Stamps of both [ns].
         forces, positions, velocities : sequence of ndarray, shape (N,)
             F_e [N], x [m] and its rate [m/s], NaN where not measured, of each axis.
-
-        Returns
-        -------
-        regular : bool
-            False where stamps or values are irregular, and must be added one by one.
 
         """
         last, steps = max(self.newest_ns), np.diff(stamps_ns)

@@ -16,15 +16,7 @@ _STATES, _SUMMARY = 'StateTransitions!status', 'DiagnosticSummary!diagnostics'
 
 
 def foxglove_layout() -> str:
-    """
-    Return the layout.
-
-    Returns
-    -------
-    text : str
-        JSON file.
-
-    """
+    """Return the layout."""
     panels: dict[str, Any] = {}
     rows: list[Any] = []
     for plot in PLOTS:

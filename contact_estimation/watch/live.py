@@ -56,16 +56,6 @@ class LiveContact:
 
     Messages that cannot be used are left out: the estimator reports them.
 
-    Parameters
-    ----------
-    log : ContactLog
-        Gets values and texts.
-    estimator : str
-        Name of the node.
-    sparing : bool
-        Take deviations and model fit from /diagnostics, twice a second: the estimator publishes
-        them with every sample only while somebody subscribes.
-
     """
 
     def __init__(

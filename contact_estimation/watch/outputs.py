@@ -18,25 +18,7 @@ _MEMORY = '1GiB'  # of the viewer and of what a page that opens late still gets
 
 
 def show(view: ContactView, target: str, follow_s: float | None = None) -> str:
-    """
-    Connect a view to where it is shown.
-
-    Parameters
-    ----------
-    view : ContactView
-        New.
-    target : str
-        'window', 'web', or the path of a file to write; without a display, a window becomes a
-        web page.
-    follow_s : float, optional
-        Seconds that plots show; all by default.
-
-    Returns
-    -------
-    text : str
-        Where to look.
-
-    """
+    """Connect a view to where it is shown."""
     layout = blueprint(follow_s)
     if target == WINDOW and has_display():
         rerun = require_rerun()

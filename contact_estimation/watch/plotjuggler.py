@@ -15,15 +15,7 @@ _MODE = {'mode': 'TimeSeries', 'style': 'Lines', 'flip_x': 'false', 'flip_y': 'f
 
 
 def plotjuggler_layout() -> str:
-    """
-    Return the layout.
-
-    Returns
-    -------
-    text : str
-        XML file.
-
-    """
+    """Return the layout."""
     root = ElementTree.Element('root')
     widget = _child(root, 'tabbed_widget', parent='main_window', name='Main Window')
     tab = _child(widget, 'Tab', tab_name='contact', containers='1')
@@ -53,11 +45,6 @@ def series_name(topic: str, field: str) -> str:
         Without the leading slash.
     field : str
         As in 'points[0].positions[0]'.
-
-    Returns
-    -------
-    name : str
-        Such as '/wrench/wrench/force/x'; joint states by the name of the joint.
 
     """
     if topic == 'joint_states':

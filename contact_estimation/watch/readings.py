@@ -50,15 +50,7 @@ class Readings(Protocol):
 
 
 class AxisReadings:
-    """
-    A single prismatic axis.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        Axis, joint and sign.
-
-    """
+    """A single prismatic axis."""
 
     def __init__(self, parameters: EstimationParameters) -> None:
         self._wrench, self._joints = WrenchDecoder(), JointStateDecoder(parameters.joint)
@@ -82,15 +74,7 @@ class AxisReadings:
 
 
 class ArmReadings:
-    """
-    The normal of an arm, by the kinematics that the estimator uses.
-
-    Parameters
-    ----------
-    kinematics : ContactKinematics
-        From base to tip.
-
-    """
+    """The normal of an arm, by the kinematics that the estimator uses."""
 
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
@@ -125,27 +109,7 @@ class ArmReadings:
 
 
 def readings_of(parameters: EstimationParameters, description: str = '') -> Readings | None:
-    """
-    Return what reads the messages of a configured estimator.
-
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        Those of the estimator.
-    description : str
-        Text of the URDF of an arm, where it is not in a file.
-
-    Returns
-    -------
-    readings : Readings or None
-        None while the description of an arm is not known.
-
-    Raises
-    ------
-    ContactEstimationError
-        If Pinocchio is missing, the description does not fit, or poses come from tf.
-
-    """
+    """Return what reads the messages of a configured estimator."""
     if not parameters.kinematics.tip:
         return AxisReadings(parameters)
     if parameters.pose_source == 'tf':

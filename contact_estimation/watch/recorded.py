@@ -23,28 +23,7 @@ def show_recording(
     view: ContactView, reader: RecordingReader, source: RecordingSource, replay: RecordingReplay,
     progress: Callable[[float, str], None] = lambda fraction, text: None,
 ) -> int:
-    """
-    Send signals, estimates, status and checks of a recording.
-
-    Parameters
-    ----------
-    view : ContactView
-        Connected.
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    replay : RecordingReplay
-        Of the recording, not yet started.
-    progress : callable
-        Called with the fraction done and a detail.
-
-    Returns
-    -------
-    samples : int
-        Number of estimates.
-
-    """
+    """Send signals, estimates, status and checks of a recording."""
     parameters = replay.session.parameters
     signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)
     _send_signals(view.log, signals)

@@ -11,20 +11,7 @@ from ..exceptions import MissingPackageError
 
 
 def require_rerun() -> Any:
-    """
-    Import Rerun.
-
-    Returns
-    -------
-    rerun : module
-        With its submodule `blueprint`.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-
-    """
+    """Import Rerun."""
     try:
         import rerun
         import rerun.blueprint

@@ -24,11 +24,6 @@ class ContactView:
 
     `flush` sends what has been logged: a column costs no more than a value.
 
-    Parameters
-    ----------
-    name : str
-        Of the recording, shown in the viewer.
-
     Attributes
     ----------
     log : ContactLog
@@ -78,20 +73,7 @@ class ContactView:
 
 
 def blueprint(follow_s: float | None = None) -> Any:
-    """
-    Return the layout.
-
-    Parameters
-    ----------
-    follow_s : float, optional
-        Seconds before the newest data that plots show; all by default.
-
-    Returns
-    -------
-    layout : rerun.blueprint.Blueprint
-        Plots above each other, and below them what the estimator and its checks say.
-
-    """
+    """Return the layout."""
     rrb = require_rerun().blueprint
     plots = [_plot_view(rrb, plot, follow_s) for plot in PLOTS]
     return rrb.Blueprint(

@@ -47,27 +47,7 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """
-    Run the study, print its tables and write them.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Options of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    Raises
-    ------
-    UnknownNameError, ParameterRangeError
-        If an option is not valid.
-    MissingPackageError
-        If MuJoCo, Pinocchio or the descriptions are not installed.
-
-    """
+    """Run the study, print its tables and write them."""
     for name in options.arms:
         if name not in ARMS:
             raise UnknownNameError.among('arm', name, ARMS)

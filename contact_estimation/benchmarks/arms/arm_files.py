@@ -27,13 +27,6 @@ class ArmFiles:
     """
     A folder with all files of one arm.
 
-    Parameters
-    ----------
-    arm : Arm
-        One of `ARMS`.
-    folder : Path
-        Existing folder.
-
     Attributes
     ----------
     arm : Arm
@@ -51,62 +44,17 @@ class ArmFiles:
         self._joints = RobotModel(self._urdf, arm.base, TIP).joint_names
 
     def calibration(self, seed: int) -> Path:
-        """
-        Record 12 poses in free flight.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the poses and of the sensor noise.
-
-        Returns
-        -------
-        recording : Path
-            rosbag2 folder; an older one is replaced.
-
-        """
+        """Record 12 poses in free flight."""
         run = ArmSimulation(self.arm, self._urdf, World()).calibrate(seed)
         return self._record(run, f'poses_{seed}', seed)
 
     def touch(self, world: World, seed: int, name: str) -> tuple[Run, Path]:
-        """
-        Simulate three touches and record them.
-
-        Parameters
-        ----------
-        world : World
-            Wall, target impedance and concealed friction.
-        seed : int
-            Seed of the excitation and of the sensor noise.
-        name : str
-            Beginning of the recording's name.
-
-        Returns
-        -------
-        run : Run
-            True signals.
-        recording : Path
-            rosbag2 folder; an older one is replaced.
-
-        """
+        """Simulate three touches and record them."""
         run = ArmSimulation(self.arm, self._urdf, world).touch(seed)
         return run, self._record(run, f'{name}_{seed}', seed + 1000)
 
     def parameters(self, run: Run) -> dict[str, Any]:
-        """
-        Return the parameters of the estimator node for a run, without those of the tool.
-
-        Parameters
-        ----------
-        run : Run
-            Gives the normal and x_e.
-
-        Returns
-        -------
-        parameters : dict
-            Values by the name of the ROS parameter.
-
-        """
+        """Return the parameters of the estimator node for a run, without those of the tool."""
         return {
             'estimator': 'kalman', 'sample_rate': 1000.0 / self.arm.wrench_period,
             'kinematics.base': self.arm.base, 'kinematics.tip': TIP,
@@ -115,22 +63,7 @@ class ArmFiles:
         }
 
     def parameter_file(self, name: str, values: dict[str, Any]) -> Path:
-        """
-        Write parameters as a ROS 2 parameter file.
-
-        Parameters
-        ----------
-        name : str
-            End of the file's name.
-        values : dict
-            Values by the name of the ROS parameter.
-
-        Returns
-        -------
-        path : Path
-            YAML file.
-
-        """
+        """Write parameters as a ROS 2 parameter file."""
         plain = {key: [*value] if isinstance(value, tuple) else value
                  for key, value in values.items()}
         path = self._folder / f'{self.arm.name}_{name}.yaml'
@@ -150,11 +83,6 @@ class ArmFiles:
         world : World
             True K_e [N/m] and B_e [N s/m].
 
-        Returns
-        -------
-        path : Path
-            Model file.
-
         """
         environment = {'stiffness': world.K_e * _KNOWN_WORSE['stiffness'],
                        'damping': world.B_e * _KNOWN_WORSE['damping'], 'location': run.location}
@@ -166,13 +94,6 @@ class ArmFiles:
     def force_along_normal(self, run: Run, tool: Mapping[str, Any]) -> Array:
         """
         Compute the force along the normal as a sensor without noise measures it.
-
-        Parameters
-        ----------
-        run : Run
-            True signals.
-        tool : mapping
-            `tool.*` parameters whose load and bias are subtracted; empty: none.
 
         Returns
         -------
@@ -190,20 +111,7 @@ class ArmFiles:
         return np.einsum('i,nij,nj->n', run.normal, axes, wrench[:, :3])
 
     def path(self, name: str) -> Path:
-        """
-        Return the path of another file of the arm.
-
-        Parameters
-        ----------
-        name : str
-            End of the file's name.
-
-        Returns
-        -------
-        path : Path
-            In the folder; the file need not exist.
-
-        """
+        """Return the path of another file of the arm."""
         return self._folder / f'{self.arm.name}_{name}'
 
     def _record(self, run: Run, name: str, seed: int) -> Path:
@@ -212,22 +120,7 @@ class ArmFiles:
         return write_recording(self.path(name), stream)
 
     def kept(self, name: str, make: Callable[[], Any]) -> Any:
-        """
-        Return results from a JSON file; compute and store them where the file does not exist.
-
-        Parameters
-        ----------
-        name : str
-            End of the file's name, without suffix.
-        make : callable
-            Computes the results.
-
-        Returns
-        -------
-        results : object
-            JSON content.
-
-        """
+        """Return results from a JSON file, which is made where it does not exist."""
         path = self.path(f'{name}.results.json')
         if not path.exists():
             path.write_text(json.dumps(make(), indent=1) + '\n')
@@ -245,11 +138,6 @@ def world_of(seed: int, friction: float = 0.0) -> World:
     friction : float
         Dry friction of the joints, as a force along the normal [N].
 
-    Returns
-    -------
-    world : World
-        K_e from 4000 to 7000 N/m, B_e from 60 to 140 N s/m.
-
     """
     rng = np.random.default_rng(seed)
     K_e, B_e = rng.uniform(4000.0, 7000.0), rng.uniform(60.0, 140.0)
@@ -257,18 +145,5 @@ def world_of(seed: int, friction: float = 0.0) -> World:
 
 
 def tool_parameters(path: Path) -> dict[str, Any]:
-    """
-    Read the parameter file that `calibrate_tool` wrote.
-
-    Parameters
-    ----------
-    path : Path
-        Its output.
-
-    Returns
-    -------
-    parameters : dict
-        `tool.*` parameters by name.
-
-    """
+    """Read the parameter file that `calibrate_tool` wrote."""
     return read_parameter_file(path, 'estimator_node')

@@ -68,20 +68,7 @@ ARMS = {
 
 
 def mujoco() -> Any:
-    """
-    Import MuJoCo, which is optional.
-
-    Returns
-    -------
-    mujoco : module
-        The package.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-
-    """
+    """Import MuJoCo, which is optional."""
     try:
         import mujoco as package
     except ImportError as error:
@@ -90,25 +77,7 @@ def mujoco() -> Any:
 
 
 def description_of(arm: Arm) -> str:
-    """
-    Return the description of an arm with sensor and tool.
-
-    Parameters
-    ----------
-    arm : Arm
-        One of `ARMS`.
-
-    Returns
-    -------
-    urdf : str
-        Without meshes, with the links `SENSOR`, `TOOL` and `TIP`.
-
-    Raises
-    ------
-    MissingPackageError
-        If the package with the descriptions is not installed.
-
-    """
+    """Return the description of an arm with sensor and tool."""
     folders = (Path(place, 'cmeel.prefix/share/example-robot-data/robots') for place in sys.path)
     file = next((f / arm.description for f in folders if (f / arm.description).is_file()), None)
     if file is None:
@@ -139,12 +108,6 @@ def mujoco_model(urdf: str, timestep: float, friction: Array | None = None) -> A
         Step [s].
     friction : ndarray, shape (n,), optional
         Dry friction of the joints [N m].
-
-    Returns
-    -------
-    model : mujoco.MjModel
-        Sensors `force` and `torque` in the axes of the link `SENSOR`. MuJoCo gives what the arm
-        applies to the tool, the negative of what a wrist sensor measures.
 
     """
     package, robot = mujoco(), ElementTree.fromstring(urdf)

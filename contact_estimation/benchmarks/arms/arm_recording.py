@@ -70,11 +70,6 @@ def messages(
     begin_ns : int
         Stamp of the first message [ns].
 
-    Yields
-    ------
-    message : Message
-        In the order of stamps.
-
     """
     rng, store = np.random.default_rng(seed), _Types()
     bias = np.array(FORCE_BIAS + TORQUE_BIAS)
@@ -103,22 +98,7 @@ def messages(
 
 
 def write_recording(path: Path, stream: Iterator[Message]) -> Path:
-    """
-    Write messages as a rosbag2 folder.
-
-    Parameters
-    ----------
-    path : Path
-        New folder.
-    stream : iterator of Message
-        As of `messages`.
-
-    Returns
-    -------
-    path : Path
-        The same.
-
-    """
+    """Write messages as a rosbag2 folder."""
     with RecordingWriter.folder(path) as writer:
         for message in stream:
             writer.write(f'/{message.topic}', message.type_name, message.data, message.stamp_ns)

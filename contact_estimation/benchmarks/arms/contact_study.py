@@ -66,27 +66,7 @@ class Estimated(NamedTuple):
 
 
 def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
-    """
-    Calibrate the tool from 12 poses.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    seed : int
-        Of the poses.
-
-    Returns
-    -------
-    row : dict
-        Errors of mass, centre and force bias, with the name of the parameter file.
-
-    Raises
-    ------
-    EstimationError
-        If the command fails.
-
-    """
+    """Calibrate the tool from 12 poses."""
     output, report = files.path(f'tool_{seed}.yaml'), files.path(f'tool_{seed}.json')
     with redirect_stdout(io.StringIO()):
         code = calibrate_tool([
@@ -107,27 +87,7 @@ def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
 
 
 def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Estimated]:
-    """
-    Estimate with the tool compensated, and with less.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    run : Run
-        Simulation.
-    recording : Path
-        Of the run.
-    tool : Path
-        As calibrated.
-
-    Returns
-    -------
-    rows : list of Estimated
-        With everything that `calibrate_tool` found; its load without inertia; only a tare;
-        nothing. x_e is found too, which absorbs a constant force.
-
-    """
+    """Estimate with the tool compensated, and with less."""
     whole = tool_parameters(tool)
     load = {name: whole[name] for name in _LOAD}
     taken_out: dict[str, Mapping[str, Any]] = {
@@ -142,30 +102,7 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
 def estimated_with(
     files: ArmFiles, run: Run, recording: Path, estimator: str, name: str, tool: Mapping[str, Any]
 ) -> Estimated:
-    """
-    Estimate with one estimator and one compensation of the tool.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    run : Run
-        Gives the normal and x_e.
-    recording : Path
-        Of the run.
-    estimator : str
-        Name of the estimator.
-    name : str
-        Name of the compensation; one that starts with 'tare' tares in free flight.
-    tool : mapping
-        `tool.*` parameters to compensate with.
-
-    Returns
-    -------
-    row : Estimated
-        Last estimates; NaN where there were none.
-
-    """
+    """Estimate with one estimator and one compensation of the tool."""
     reader = RecordingReader(recording)
     chosen = {**files.parameters(run), **tool, 'estimator': estimator}
     replay = RecordingReplay(reader, RecordingSource(), chosen)
@@ -189,15 +126,6 @@ def estimated_with(
 def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
     """
     Compare estimates with the truth.
-
-    Parameters
-    ----------
-    row : Estimated
-        Estimates.
-    run : Run
-        Gives the true x_e.
-    world : World
-        True K_e and B_e.
 
     Returns
     -------

@@ -26,15 +26,6 @@ def kinematics_cost(files: ArmFiles, run: Run, tool: Mapping[str, Any]) -> dict[
     """
     Time the way from joints and wrench to x, v and F_e, without the load of the tool.
 
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    run : Run
-        Simulation, whose joints and wrenches are used.
-    tool : mapping
-        Parameters of the tool.
-
     Returns
     -------
     cost : dict

@@ -52,28 +52,7 @@ class Case(NamedTuple):
 
 
 def concealed_case(files: ArmFiles, concealed: str, seed: int, tool: Path) -> Case:
-    """
-    Conceal and record.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    concealed : str
-        One of `CONCEALED`: nothing, where the nominal model has all physics and the parameters
-        hold the tool; dry friction of the joints that the nominal model lacks; or the mass of the
-        tool, which the parameters then give as 0.
-    seed : int
-        Of excitation, noise and wall.
-    tool : Path
-        As calibrated.
-
-    Returns
-    -------
-    case : Case
-        To be diagnosed.
-
-    """
+    """Conceal and record."""
     world = world_of(seed, FRICTION_N if concealed == 'joint friction' else 0.0)
     run, recording = files.touch(world, seed, concealed.replace(' ', '_'))
     known = tool_parameters(tool)
@@ -84,27 +63,7 @@ def concealed_case(files: ArmFiles, concealed: str, seed: int, tool: Path) -> Ca
 
 
 def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[str, Any]:
-    """
-    Conceal, record and diagnose.
-
-    Parameters
-    ----------
-    files, concealed, seed, tool
-        As of `concealed_case`.
-
-    Returns
-    -------
-    row : dict
-        Names and parameters; `right`: whether the first name is one of the port that holds what is
-        concealed, `alone`: whether all names are. With nothing concealed, both: whether nothing is
-        named.
-
-    Raises
-    ------
-    EstimationError
-        If the command fails.
-
-    """
+    """Conceal, record and diagnose."""
     case = concealed_case(files, concealed, seed, tool)
     given = ['--params', str(files.parameter_file(case.name, case.parameters)),
              '--seed', str(seed)]
@@ -115,33 +74,7 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
 def diagnosis_of(
     files: ArmFiles, case: Case, recording: Path, concealed: str, options: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """
-    Diagnose a recording of a case.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    case : Case
-        Which is recorded.
-    recording : Path
-        That of the simulation, or of a node that it was played to.
-    concealed : str
-        One of `CONCEALED`.
-    options : sequence of str
-        Of the command; without any, it takes the parameters that the node has recorded.
-
-    Returns
-    -------
-    row : dict
-        As of `diagnosed`, without arm, seed and what is concealed.
-
-    Raises
-    ------
-    EstimationError
-        If the command fails.
-
-    """
+    """Diagnose a recording of a case."""
     name = recording.name.removesuffix('.mcap')
     nominal = files.nominal_model(case.name, case.run, case.world)
     report, printed = files.path(f'{name}.diagnosis.json'), io.StringIO()

@@ -27,29 +27,7 @@ _TOPICS = {'stiffness': 'stiffness', 'stiffness_std': 'stiffness_std', 'damping'
 
 
 def live_run(files: ArmFiles, case: Case) -> tuple[dict[str, Any], Path]:
-    """
-    Play a run to the node in real time and record what it publishes.
-
-    Parameters
-    ----------
-    files : ArmFiles
-        Of the arm.
-    case : Case
-        What is played, and the parameters of the node.
-
-    Returns
-    -------
-    row : dict
-        Errors of the node's last estimates.
-    recorded : Path
-        Recording of the node and its inputs.
-
-    Raises
-    ------
-    EstimationError
-        If a process ends early.
-
-    """
+    """Play a run to the node in real time and record what it publishes."""
     recorded = files.path(f'live_{case.name}')
     shutil.rmtree(recorded, ignore_errors=True)  # of an interrupted study
     parameters = [f'{name}:={_yaml(value)}' for name, value in case.parameters.items()]
@@ -90,20 +68,7 @@ def _last(recorded: Path) -> Estimated:
 
 
 def warned(reader: RecordingReader) -> list[str]:
-    """
-    Return what a node has warned of, without remedies and numbers that change.
-
-    Parameters
-    ----------
-    reader : RecordingReader
-        Recording with /diagnostics.
-
-    Returns
-    -------
-    texts : list of str
-        The first of every kind, in the order of their appearance.
-
-    """
+    """Return what a node has warned of, without remedies and numbers that change."""
     kinds: dict[str, str] = {}
     for message in reader.messages(['/diagnostics']):
         for status in decode_diagnostics(message.data):

@@ -48,11 +48,6 @@ def touches(timestep: float, seed: int) -> Reference:
     seed : int
         Of the phases.
 
-    Returns
-    -------
-    reference : Reference
-        x_r relative to the wall.
-
     """
     phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(_FREQUENCIES))
     parts, here = [_held(_APART, _FREE_S, timestep)], _APART

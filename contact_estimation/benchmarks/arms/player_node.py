@@ -58,15 +58,7 @@ class PlayerNode(Node):
 
 
 def main() -> int:
-    """
-    Publish the recording once.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
+    """Publish the recording once."""
     rclpy.init()
     try:
         PlayerNode().play()

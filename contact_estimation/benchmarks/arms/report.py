@@ -24,20 +24,7 @@ _PER_PLOT = 5  # samples to one plotted
 
 
 def as_markdown(results: Mapping[str, Any]) -> str:
-    """
-    Return the tables of the study.
-
-    Parameters
-    ----------
-    results : mapping
-        As of the command.
-
-    Returns
-    -------
-    text : str
-        Markdown.
-
-    """
+    """Return the tables of the study."""
     tool = [[row['arm'], row['seed'], f'{row["mass_error_g"]:+.2f} +- {row["mass_std_g"]:.2f}',
              f'{row["centre_error_mm"]:.3f} +- {row["centre_std_mm"]:.3f}',
              f'{row["bias_error_n"]:.3f}'] for row in results['tool']]
@@ -88,17 +75,7 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 def plot_contact(
     path: Path, files: ArmFiles, run: Run, recording: Path, tool: Path, world: World
 ) -> None:
-    """
-    Plot the force with and without the tool, and the estimates of a run.
-
-    Parameters
-    ----------
-    path : Path
-        PNG to write.
-    files, run, recording, tool, world
-        As of `contact_study.estimated`.
-
-    """
+    """Plot the force with and without the tool, and the estimates of a run."""
     whole = tool_parameters(tool)
     rows = _estimates(files, run, recording, whole)
     figure, axes = new_figure((7.0, 5.2), rows=3, sharex=True)
@@ -141,19 +118,7 @@ def _estimates(
 
 @figure_style()
 def plot_frames(path: Path, files: ArmFiles, run: Run) -> None:
-    """
-    Draw the arm at the wall with the frames that the parameters name.
-
-    Parameters
-    ----------
-    path : Path
-        PNG to write.
-    files : ArmFiles
-        Of the arm.
-    run : Run
-        Simulation.
-
-    """
+    """Draw the arm at the wall with the frames that the parameters name."""
     model = mujoco_model(files.description.read_text(), 1e-3)
     data = mujoco().MjData(model)
     data.qpos[:] = run.q[int(np.argmin(run.force))]

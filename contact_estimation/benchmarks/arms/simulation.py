@@ -90,19 +90,7 @@ class Run:
 
 
 class ArmSimulation:
-    """
-    One arm, its wall and its controller.
-
-    Parameters
-    ----------
-    arm : Arm
-        Home pose.
-    urdf : str
-        As of `description_of`.
-    world : World
-        Wall and concealed physics.
-
-    """
+    """One arm, its wall and its controller."""
 
     def __init__(self, arm: Arm, urdf: str, world: World) -> None:
         self._mj, self._world = mujoco(), world
@@ -125,42 +113,14 @@ class ArmSimulation:
         self._model.dof_frictionloss[:] = self._joint_friction(J)
 
     def touch(self, seed: int) -> Run:
-        """
-        Press three times along the normal under impedance control.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the excitation.
-
-        Returns
-        -------
-        run : Run
-            Signals.
-
-        """
+        """Press three times along the normal under impedance control."""
         reference = touches(TIMESTEP, seed)
         reference = reference._replace(x=reference.x + self.location)
         world = self._world
         return self._run(reference, self._impedance_torque, world.K_e, world.B_e)
 
     def calibrate(self, seed: int, count: int = 12) -> Run:
-        """
-        Visit poses under joint control, with the wall removed.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the poses.
-        count : int
-            Number of poses.
-
-        Returns
-        -------
-        run : Run
-            Signals.
-
-        """
+        """Visit poses under joint control, with the wall removed."""
         reference = poses(tuple(self._home), count, TIMESTEP, seed)
         return self._run(reference, self._joint_torque, K_e=0.0, B_e=0.0)
 

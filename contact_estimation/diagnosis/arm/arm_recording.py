@@ -78,27 +78,7 @@ class ArmRecording:
 def read_arm_recording(
     path: str | PathLike[str], topic: str = 'joint_states'
 ) -> ArmRecording:
-    """
-    Read the joint states of a whole arm.
-
-    Parameters
-    ----------
-    path : str or path-like
-        An `.mcap` file or a rosbag2 folder.
-    topic : str
-        Of sensor_msgs/msg/JointState; one message may hold all joints or some of them.
-
-    Returns
-    -------
-    recording : ArmRecording
-        On the stamps of the joint that is published most often.
-
-    Raises
-    ------
-    RecordingError
-        If the topic is missing, or holds too few positions.
-
-    """
+    """Read the joint states of a whole arm."""
     readings, refused = dict[str, list[tuple[int, float, float, float]]](), ''
     for batch in RecordingReader(str(path)).batches([topic]):
         for message in batch:
@@ -144,15 +124,7 @@ def _interpolated(stamps: Array, rows: Array) -> Array:
 
 
 def joints_of(recording: ArmRecording, arm: ArmDynamics) -> tuple[str, ...]:
-    """
-    Return the joints of a description that a recording holds, from base to tip.
-
-    Raises
-    ------
-    RecordingError
-        If it holds none.
-
-    """
+    """Return the joints of a description that a recording holds, from base to tip."""
     found = tuple(name for name in arm.joints if name in recording.joints)
     if not found:
         raise RecordingError(

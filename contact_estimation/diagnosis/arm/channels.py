@@ -131,15 +131,6 @@ class Channels:
     """
     All pieces of some recordings of one arm.
 
-    Parameters
-    ----------
-    recordings : sequence of ArmRecording
-        With the joints of `arm`.
-    arm : ArmDynamics
-        The description.
-    like : Channels, optional
-        Whose cut-off, speeds and terms are used, to predict other recordings.
-
     Attributes
     ----------
     measured : list of int
@@ -150,11 +141,6 @@ class Channels:
         Of the filter of torques and columns [Hz].
     terms : list of Term
         All laws at all places.
-
-    Raises
-    ------
-    RecordingError
-        If no recording has two seconds without a gap.
 
     """
 
@@ -261,17 +247,6 @@ class Channels:
     def predicted(self, piece: Piece, j: int, fitted: 'Fitted', zeros: bool = True) -> Array:
         """
         Return what a fitted model adds to RNEA along a piece.
-
-        Parameters
-        ----------
-        piece : Piece
-            With the terms of these channels.
-        j : int
-            Joint.
-        fitted : Fitted
-            Coefficients.
-        zeros : bool
-            Whether those of the torques count, which differ between recordings.
 
         Returns
         -------

@@ -45,33 +45,6 @@ def diagnose_arm(
     The torque of each joint is RNEA(q, q', q'') of the description, whose links are recalibrated
     by some 5 %, plus laws of JOINT_EFFECTS at their places.
 
-    Parameters
-    ----------
-    recordings : ArmRecording or sequence of ArmRecording
-        From `read_arm_recording`; several are fitted together.
-    urdf : str
-        Robot description (the text of a URDF file).
-    held_out : sequence of ArmRecording
-        Recordings that are not fitted, but predicted.
-    seed : int
-        Of the bootstrap over blocks, >= 0.
-    progress : callable
-        Called with a description of each stage.
-
-    Returns
-    -------
-    diagnosis : ArmDiagnosis
-        Verdict, names with places and values, and the torque of each joint that they explain.
-
-    Raises
-    ------
-    ParameterRangeError
-        If there is no recording or `seed` is negative.
-    RecordingError
-        If the recordings hold other joints than the description, or too little.
-    MissingPackageError
-        If Pinocchio is not installed.
-
     """
     fitted = [recordings] if isinstance(recordings, ArmRecording) else list(recordings)
     if not fitted or seed < 0:

@@ -49,22 +49,7 @@ def link_parameters(d: ArmDiagnosis) -> Array:
 
 
 def corrected_urdf(d: ArmDiagnosis, urdf: str) -> str:
-    """
-    Return a robot description with friction, damping and inertial parameters.
-
-    Parameters
-    ----------
-    d : ArmDiagnosis
-        Not refused.
-    urdf : str
-        The nominal description, the rest of which is kept.
-
-    Returns
-    -------
-    urdf : str
-        What URDF has no element for (armature, offsets, couplings) stands in a comment.
-
-    """
+    """Return a robot description with friction, damping and inertial parameters."""
     assert d.channels is not None
     root, arm = ElementTree.fromstring(urdf), d.channels.arm
     joints = {one.get('name'): one for one in root.findall('joint')}

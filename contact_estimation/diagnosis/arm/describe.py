@@ -31,15 +31,6 @@ class ArmNames:
     """
     The named model, with what its laws do.
 
-    Parameters
-    ----------
-    space : ArmModels
-        Of the models.
-    compared : Compared
-        All models.
-    named : Named
-        The names.
-
     Attributes
     ----------
     model : frozenset of Term
@@ -114,24 +105,7 @@ class ArmNames:
 
 
 def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
-    """
-    Describe a law.
-
-    Parameters
-    ----------
-    names : ArmNames
-        The named model.
-    term : Term
-        Its law and place.
-    name : Name or None
-        As compared; None for a zero of a torque.
-
-    Returns
-    -------
-    effect : ArmEffect
-        Values, shares and location.
-
-    """
+    """Describe a law."""
     effect, gram = JOINT_EFFECTS[term.effect], names.space.gram
     arm, joints = gram.channels.arm, gram.joints
     theta, stds, note, rivals = names.values(term)

@@ -77,11 +77,6 @@ class Gram:
     """
     What fits of all models need of the recordings.
 
-    Parameters
-    ----------
-    channels : Channels
-        C joints with torques.
-
     Attributes
     ----------
     weights : ndarray, shape (C,)

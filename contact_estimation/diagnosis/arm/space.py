@@ -45,15 +45,6 @@ class ArmModels:
 
     Every model has the calibration of its links and a zero of torque of each joint and file.
 
-    Parameters
-    ----------
-    gram : Gram
-        Of the recordings.
-    progress : callable
-        Called with a description of each stage.
-    constants : Constants
-        Prior and error model.
-
     Attributes
     ----------
     zeros : frozenset of Term

@@ -35,19 +35,7 @@ _LONGEST_AHEAD_S = 0.4  # search for a late reference: a second would take secon
 
 
 class Evidence:
-    """
-    Quantities of a recording, in part in comparison with the nominal model.
-
-    Parameters
-    ----------
-    whole : Signals
-        The recording.
-    model : PlantParameters
-        Nominal.
-    recording : Recording, optional
-        As read; without one, of unknown origin.
-
-    """
+    """Quantities of a recording, in part in comparison with the nominal model."""
 
     def __init__(
         self, whole: Signals, model: PlantParameters, recording: Recording | None = None,

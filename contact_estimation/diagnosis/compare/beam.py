@@ -61,26 +61,7 @@ def search(
     space: Space, progress: Callable[[str], None], known: Compared | None = None,
     laws: int = LAWS,
 ) -> Compared:
-    """
-    Extend the best models as long as the gain that is left could pay for a further law.
-
-    Parameters
-    ----------
-    space : Space
-        The models.
-    progress : callable
-        Called with a description of each stage.
-    known : Compared, optional
-        Models as fitted in this space, of which the best is extended.
-    laws : int
-        Number from which on a model is not.
-
-    Returns
-    -------
-    compared : Compared
-        All models that were fitted.
-
-    """
+    """Extend the best models as long as the gain that is left could pay for a further law."""
     evidence, models = known or refit(space, [])
     pool = {one.key: one for one in models}
     done, wide = set[frozenset[str]](), 1 if known else _WIDE

@@ -17,20 +17,7 @@ _MOST = 60  # models: the others weigh nothing
 
 
 def as_dict(compared: Compared) -> dict[str, Any]:
-    """
-    Return the errors of all likely models on parts left out, ready for JSON.
-
-    Parameters
-    ----------
-    compared : Compared
-        Of `Diagnosis.compared`.
-
-    Returns
-    -------
-    data : dict
-        See `of_dict`.
-
-    """
+    """Return the errors of all likely models on parts left out, ready for JSON."""
     evidence, likely = compared.evidence, compared.models[:_MOST]
     return {
         'instrument': evidence.instrument.tolist(), 'as_force': evidence.as_force.tolist(),
@@ -49,22 +36,7 @@ def _scored(one: Scored) -> dict[str, Any]:
 
 
 def of_dict(data: Mapping[str, Any], constants: Constants) -> Compared:
-    """
-    Return compared models, as they are with certain constants.
-
-    Parameters
-    ----------
-    data : mapping
-        Of `as_dict`.
-    constants : Constants
-        Prior and error model.
-
-    Returns
-    -------
-    compared : Compared
-        Without the fits.
-
-    """
+    """Return compared models, as they are with certain constants."""
     base, *others = (
         Scored(tuple(one['effects']), tuple(one['families']), tuple(one['rank']),
                np.array(one['left_out']), np.array(one['fitted']), np.array(one['counts']),

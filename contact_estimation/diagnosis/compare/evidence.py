@@ -116,21 +116,7 @@ class Evidence:
     level: Scored | None = None
 
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
-        """
-        Return the evidence with what further models tell of noise and zeros.
-
-        Parameters
-        ----------
-        models : iterable of Scored
-            All models so far.
-
-        Returns
-        -------
-        evidence : Evidence
-            Noise is measured to about a fifth, and as large as the best models leave. Laws are to
-            explain what the zeros leave, not what a zero takes away.
-
-        """
+        """Return the evidence with what further models tell of noise and zeros."""
         every = list(models)
         least = np.min([one.fitted for one in every], axis=0)
         level = self.ranked([one for one in every if not one.laws])[0]

@@ -83,22 +83,7 @@ def name(compared: Compared, seed: int, without: Without) -> Named:
 
 
 def likely(compared: Compared, seed: int) -> Named:
-    """
-    Name the families that are likely.
-
-    Parameters
-    ----------
-    compared : Compared
-        All models.
-    seed : int
-        Of the bootstrap over parts.
-
-    Returns
-    -------
-    named : Named
-        Without names where no family is likely.
-
-    """
+    """Name the families that are likely."""
     evidence, models = compared.evidence, compared.models
     weights = evidence.weights(models, seed)
     families = of_families(models, weights)
@@ -157,24 +142,7 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
 
 
 def without_least(compared: Compared, named: Named, without: Without) -> Named:
-    """
-    Drop the name that takes away least.
-
-    Parameters
-    ----------
-    compared : Compared
-        All models.
-    named : Named
-        At least one name.
-    without : callable
-        Returns models that are not among those compared.
-
-    Returns
-    -------
-    named : Named
-        The others.
-
-    """
+    """Drop the name that takes away least."""
     told = parts(compared, named, without)
     least = ranked_by(told, lambda effect: told[effect].share.share)[:1]
     fewer = _dropped(compared, named, least, without) if len(told) > 1 else None
@@ -191,24 +159,7 @@ def _dropped(
 
 
 def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
-    """
-    Divide what is explained among the names: zeros first, then the law that takes away most.
-
-    Parameters
-    ----------
-    compared : Compared
-        All models.
-    named : Named
-        The names.
-    without : callable
-        Returns models that are not among those compared.
-
-    Returns
-    -------
-    parts : dict of str to Part
-        In that order; empty where a model is not known.
-
-    """
+    """Divide what is explained among the names: zeros first, then the law that takes away most."""
     left, found = [one.effect for one in named.names], dict[str, Part]()
     present = _known(compared, named.model, left, without)
     while left and present is not None:

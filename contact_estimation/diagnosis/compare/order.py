@@ -42,41 +42,12 @@ Law = TypeVar('Law', bound=Named)
 
 
 def prior(name: str) -> tuple[int, int]:
-    """
-    Return the rank of an effect where the data cannot tell it from another.
-
-    Parameters
-    ----------
-    name : str
-        Of the effect; '' for none.
-
-    Returns
-    -------
-    rank : (int, int)
-        Fewest parameters first; then the zero of the sensor, that of the surface, and the others
-        in the order of EFFECTS.
-
-    """
+    """Return the rank of an effect where the data cannot tell it from another."""
     return (len(names_of(name)), _BY_PRIOR.index(name)) if name else (0, 0)
 
 
 def ranked(laws: Iterable[Law], score: Callable[[Law], float]) -> list[Law]:
-    """
-    Sort candidates by score, those with equal scores by their prior order.
-
-    Parameters
-    ----------
-    laws : iterable of Fit or Candidate
-        Each with an effect.
-    score : callable
-        The less, the better.
-
-    Returns
-    -------
-    laws : list
-        Best first.
-
-    """
+    """Sort candidates by score, those with equal scores by their prior order."""
     return ranked_by(laws, score, lambda law: prior(law.name))
 
 
@@ -84,24 +55,7 @@ def ranked_by(
     items: Iterable[Item], score: Callable[[Item], float],
     first: Callable[[Item], Any] = lambda item: 0,
 ) -> list[Item]:
-    """
-    Sort by score, equal scores by what goes first, else in the order given.
-
-    Parameters
-    ----------
-    items : iterable
-        Of any kind.
-    score : callable
-        The less, the better.
-    first : callable
-        Key of the items with equal scores.
-
-    Returns
-    -------
-    items : list
-        Best first.
-
-    """
+    """Sort by score, equal scores by what goes first, else in the order given."""
     given = list(items)
     scores = [score(item) for item in given]
     groups = list[list[int]]()
@@ -116,18 +70,5 @@ def ranked_by(
 
 
 def is_tie(score: float, other: float) -> bool:
-    """
-    Return whether two scores differ by no more than rounding and the end of a search.
-
-    Parameters
-    ----------
-    score, other : float
-        The less, the better.
-
-    Returns
-    -------
-    tie : bool
-        If so, neither is better.
-
-    """
+    """Return whether two scores differ by no more than rounding and the end of a search."""
     return score == other or abs(score - other) <= TIE * max(1.0, abs(other))

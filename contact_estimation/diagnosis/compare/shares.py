@@ -49,24 +49,7 @@ def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
 def share_of(
     evidence: Evidence, before: Scored, after: Scored, channel: int | None = None
 ) -> Share:
-    """
-    Return the share of the misfit of the base that is left before a law and not after it.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        With the base.
-    before, after : Scored
-        Models without and with the law.
-    channel : int, optional
-        The only channel that counts.
-
-    Returns
-    -------
-    share : Share
-        A part with more than twice the median misfit counts as if it had twice the median.
-
-    """
+    """Return the share of the misfit of the base that is left before a law and not after it."""
     base = _misfits(evidence, evidence.base, channel)
     noise = (evidence.base.counts * evidence.as_force).sum(axis=1)
     base = np.maximum(base, max(_LEAST * float(base.mean()), _LEAST * float(noise.mean())))

@@ -142,15 +142,7 @@ def _short(value: float) -> str:
 
 
 class Judge:
-    """
-    Predicts by how much rivals would differ from the corrected model in an experiment.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With rivals.
-
-    """
+    """Predicts by how much rivals would differ from the corrected model in an experiment."""
 
     def __init__(self, diagnosis: Diagnosis) -> None:
         self._model, self._rivals = diagnosis.corrected, dict(diagnosis.rivals)

@@ -49,19 +49,6 @@ class ContactModels:
     """
     Models of a contact: the nominal one with effects of the library.
 
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    base : Fit
-        The recalibrated model.
-    leaves : Model, optional
-        The model whose discrepancy all models are fitted with; without it, each has its own.
-    progress : callable
-        Called with a description of each stage.
-    parts : sequence of Part, optional
-        As of another view of the recordings, by which both are compared.
-
     Attributes
     ----------
     parts : sequence of Part

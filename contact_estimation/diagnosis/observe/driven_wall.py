@@ -47,13 +47,6 @@ class DrivenWall:
     evaluated at the measured motion, then at the motion just predicted (Picard's iteration), which
     makes the prediction a free run. Its initial state fits the first half second best.
 
-    Parameters
-    ----------
-    model : Model
-        With M_e among its values.
-    observed : Observed
-        Measured force and motion.
-
     """
 
     def __init__(self, model: Model, observed: Observed) -> None:

@@ -315,14 +315,4 @@ class Check(ABC):
 
         Never raises, whatever the evidence.
 
-        Parameters
-        ----------
-        seen : Evidence
-            Of one axis.
-
-        Returns
-        -------
-        text : str or None
-            '' where all is well, None where the evidence does not tell: the last text stays.
-
         """

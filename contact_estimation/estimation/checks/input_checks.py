@@ -62,13 +62,6 @@ class InputChecks:
 
     Judgements fall at fixed counts of samples.
 
-    Parameters
-    ----------
-    parameters : EstimationParameters
-        All parameters.
-    pipelines : mapping of str to EstimationPipeline
-        By axis.
-
     Attributes
     ----------
     joint_stamps : Pending
@@ -198,15 +191,7 @@ class InputChecks:
         return sorted(self.found.values(), key=lambda one: order.index(one.warned.name))
 
     def why_no_contact(self, axis: str) -> str:
-        """
-        Return what forces and positions there were instead of a contact.
-
-        Parameters
-        ----------
-        axis : str
-            One of the pipelines.
-
-        """
+        """Return what forces and positions there were instead of a contact."""
         deepest, pressing = self._window.most(axis)
         pipeline = self._pipelines[axis]
         return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '

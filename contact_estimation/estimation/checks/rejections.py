@@ -115,17 +115,7 @@ _LEAST_SHARE = 0.02  # of the messages since the last report: less is reported a
 
 
 class Rejections:
-    """
-    Count what is new, and say the main reason.
-
-    Parameters
-    ----------
-    texts : callable
-        From a reason to the last error text of it, '' without one.
-    lag : callable
-        Describes how far the stamps of the joint states are from those of the wrench.
-
-    """
+    """Count what is new, and say the main reason."""
 
     def __init__(self, texts: Callable[[str], str], lag: Callable[[], str]) -> None:
         self._texts, self._lag = texts, lag
@@ -133,22 +123,7 @@ class Rejections:
         self._processed = 0
 
     def newly(self, counts: Mapping[str, int], processed: int) -> tuple[str, str]:
-        """
-        Compare with the last call.
-
-        Parameters
-        ----------
-        counts : mapping
-            Rejected messages by reason.
-        processed : int
-            Samples processed.
-
-        Returns
-        -------
-        name, text : str, str
-            Of the warning; '' where nothing was rejected since.
-
-        """
+        """Compare with the last call."""
         new = {k: n - self._before.get(k, 0) for k, n in counts.items()}
         new = {k: n for k, n in new.items() if n > 0}
         done, self._processed = processed - self._processed, processed
@@ -160,20 +135,7 @@ class Rejections:
             'rejected', f'rejected {total} messages since the last report')
 
     def main_reason(self, counts: Mapping[str, int]) -> tuple[str, str]:
-        """
-        Return the most important reason that stands for a good part of the rejections.
-
-        Parameters
-        ----------
-        counts : mapping
-            Rejected messages by reason.
-
-        Returns
-        -------
-        name, text : str, str
-            Of the warning.
-
-        """
+        """Return the most important reason that stands for a good part of the rejections."""
         total = sum(counts.values())
         for rejection in REJECTIONS:
             count = sum(counts.get(reason, 0) for reason in rejection.reasons)
@@ -196,11 +158,6 @@ def lag_in_words(lag_s: float, topic: str) -> str:
         Newest stamp of a wrench less that of a motion [s]; NaN before both.
     topic : str
         Of the motion.
-
-    Returns
-    -------
-    text : str
-        With what to do.
 
     """
     if lag_s != lag_s:

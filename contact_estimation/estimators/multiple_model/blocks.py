@@ -179,11 +179,6 @@ class Blocks:
         taught : bool
             Whether the wall is to be learned from it.
 
-        Returns
-        -------
-        windows : int
-            Number of rows that a full block may have; 0 while it is not full.
-
         """
         raw, T = self._raw, self.period_s
         self._until = self._last_t

@@ -134,11 +134,6 @@ class ContactFilter:
         surface, std : float
             x_e as known, NaN where it is not, and its standard deviation [m].
 
-        Returns
-        -------
-        count : int
-            Samples judged.
-
         """
         noise, before = self._noise, self.state
         variances = self._learn_noise(force)

@@ -129,11 +129,6 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     what : Hypotheses
         N of them.
 
-    Returns
-    -------
-    judged : Judged
-        N posteriors.
-
     """
     return _solved(_normal(grams, scene, what))
 
@@ -232,11 +227,6 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
         As of `judge`.
     reach : float
         Largest distance of the surface from x0 [m].
-
-    Returns
-    -------
-    wall : Wall
-        Of every hypothesis.
 
     """
     theta, P = judged.theta, judged.P

@@ -116,11 +116,6 @@ class WallPosterior:
             Where known physics bend the wall: how much more than x the displacement is that B_e
             damps [m], and the slope of x over the depth less 1.
 
-        Returns
-        -------
-        state : int
-            FREE, CONTACT or NEITHER.
-
         """
         felt_force, felt_x = felt or (force, x)
         blocks, contact = self.blocks, self.contact
@@ -152,12 +147,6 @@ class WallPosterior:
         ----------
         t, force, x, v : ndarray, shape (N,)
             As of `take`.
-
-        Yields
-        ------
-        done, state : int, int
-            Number of samples done, and the state after each of those since it yielded last; what
-            is known was the same after all of them.
 
         """
         blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)

@@ -26,11 +26,6 @@ class Rhythm:
     """
     Short blocks and frequent judgements where the wall may be another, few where it is not.
 
-    Parameters
-    ----------
-    followed : bool
-        Whether estimators on rows follow the posterior, and restart where the wall has changed.
-
     Attributes
     ----------
     blocks : int

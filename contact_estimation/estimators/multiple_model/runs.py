@@ -158,11 +158,6 @@ class Runs:
         prior : ndarray, shape (M,)
             Log prior of these.
 
-        Returns
-        -------
-        before : Before or None
-            None where there is no run of sufficient length; its evidence contains the prior.
-
         """
         used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
         if not len(used):
@@ -194,11 +189,6 @@ class Runs:
             Of the law on all data, with its prior.
         block_s : float
             Duration of a block [s].
-
-        Returns
-        -------
-        change : Change
-            The hypotheses of a change.
 
         """
         used, since, judged, place, law = before

@@ -25,25 +25,7 @@ SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
 
 
 def as_html(fleet: Fleet) -> str:
-    """
-    Build the page.
-
-    Parameters
-    ----------
-    fleet : Fleet
-        Results of a run.
-
-    Returns
-    -------
-    page : str
-        HTML with style and figures embedded: no script; links to the pages of the recordings.
-
-    Raises
-    ------
-    MissingPackageError
-        If matplotlib is not installed.
-
-    """
+    """Build the page."""
     prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
     environment = diagnosis_page.environment(__package__, diagnosis_page.__name__)
     return environment.get_template('page.html').render(

@@ -19,22 +19,7 @@ _OUTSIDE = 6.0  # interquartile ranges around the quartiles: values beyond are n
 
 @figure_style()
 def plot_trend(trend: Trend, named: Sequence[bool]) -> Any:
-    """
-    Plot a quantity over the recordings of a group, with its trend.
-
-    Parameters
-    ----------
-    trend : Trend
-        Values and line.
-    named : sequence of bool
-        Whether an effect is named, for each recording of the group.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        One panel.
-
-    """
+    """Plot a quantity over the recordings of a group, with its trend."""
     symbol, unit = QUANTITIES[trend.quantity]
     figure, axis = new_figure((5.6, 3.0))
     with_name = np.array(named)[trend.numbers - 1]
@@ -70,20 +55,7 @@ def _limits(trend: Trend) -> tuple[float, float]:
 
 @figure_style()
 def plot_names(entries: Sequence[Entry]) -> Any:
-    """
-    Plot which families are named in which recording.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        All recordings.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        A row for each group and family.
-
-    """
+    """Plot which families are named in which recording."""
     rows = sorted({(entry.group, family) for entry in entries for family in entry.families})
     groups = list(dict.fromkeys(group for group, _ in rows))
     figure, axis = new_figure((7.0, 1.0 + 0.3 * len(rows)))

@@ -21,20 +21,7 @@ def words(name: str) -> str:
 
 
 def start_of(entry: Entry) -> str:
-    """
-    Return when a recording began.
-
-    Parameters
-    ----------
-    entry : Entry
-        The recording.
-
-    Returns
-    -------
-    text : str
-        UTC; '' where its stamps do not count from 1970, as those of simulations.
-
-    """
+    """Return when a recording began."""
     start_ns = entry.outcome['start_ns']
     if start_ns is None or start_ns < _YEAR_NS:
         return ''
@@ -42,21 +29,7 @@ def start_of(entry: Entry) -> str:
 
 
 def signed_percents(trend: Trend) -> tuple[str, str, str, str]:
-    """
-    Return a trend as percentages with their signs.
-
-    Parameters
-    ----------
-    trend : Trend
-        Of a quantity of a group.
-
-    Returns
-    -------
-    slope, low, high, per_day : str
-        With the decimals that show the width of the interval, at least three; a zero has no sign,
-        and what is not known is ''.
-
-    """
+    """Return a trend as percentages with their signs."""
     width = abs(trend.percent(trend.high) - trend.percent(trend.low))
     shown = isfinite(width) and width > 0.0
     decimals = min(max(3, 1 - floor(log10(width))), _MOST_DECIMALS) if shown else 3
