@@ -6,8 +6,8 @@ Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
 table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
-`generated/warnings.md` one per entry of CHECKS and REJECTIONS, `generated/fleet_columns.md` one per
-column of the fleet's table: a new entry appears without an edit here.
+`generated/warnings.md` one per entry of CHECKS and REJECTIONS, `generated/fleet_columns.md` one
+per column of the fleet's table: a new entry appears without an edit here.
 
 """
 
@@ -22,8 +22,8 @@ import contact_estimation as ce
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
 from contact_estimation.estimation.checks.stream_checks import graph_warnings
 from contact_estimation.fleet.columns import COLUMNS
-from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
+from contact_estimation.studies.foreign_laws import ALL_LAWS
 from effect_plots import plot_effect
 
 PORTS = {
@@ -95,7 +95,8 @@ def laws_page() -> str:
     return '\n\n'.join([
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
-        '`contact_estimation/foreign_laws` gives equation and source.', _table(head, rows)])
+        '`contact_estimation/studies/foreign_laws` gives equation and source.',
+        _table(head, rows)])
 
 
 WARNINGS = '''# Warnings
@@ -109,7 +110,7 @@ where nothing could be estimated. A silent wrench topic is level ERROR.
 While a warning *withholds* estimates, the status is `frozen` in contact, the estimator learns
 nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
 Judgements are made twice a second from the last 2 s; they depend on the samples alone.
-`python -m contact_estimation.benchmarks.input_checks` counts false warnings in healthy loops and
+`python -m contact_estimation.studies input_checks` counts false warnings in healthy loops and
 measures the time until each true one.
 
 ## Signals

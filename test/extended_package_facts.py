@@ -11,7 +11,6 @@ import sys
 from types import SimpleNamespace
 from typing import Any
 
-from contact_estimation.blind_trials.trial import plan_effects
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.applicable import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
@@ -23,6 +22,7 @@ from contact_estimation.plant.model_file import read_model
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.excitation import Sine
 from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.studies.blind_trials.trial import plan_effects
 import numpy as np
 
 KNOWN = {'physics.toy_effect.K_5': 1e12}

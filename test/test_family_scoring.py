@@ -9,13 +9,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.blind_trials.family_report import (
+from contact_estimation.studies.blind_trials.family_report import (
     family_dict,
     family_groups,
     family_text,
     outcomes,
 )
-from contact_estimation.blind_trials.family_scoring import (
+from contact_estimation.studies.blind_trials.family_scoring import (
     FAILED,
     family_score,
     FamilyScore,
@@ -24,7 +24,7 @@ from contact_estimation.blind_trials.family_scoring import (
     SILENT,
     WRONG,
 )
-from contact_estimation.blind_trials.reliability import plot_reliability, reliability
+from contact_estimation.studies.blind_trials.reliability import plot_reliability, reliability
 import pytest
 
 LUGRE: dict[str, Any] = {

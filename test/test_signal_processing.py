@@ -17,9 +17,9 @@ from contact_estimation.estimators.signal_processing import (
     settling_time,
 )
 from contact_estimation.exceptions import EstimationError
-from contact_estimation.reproduction.paper import B_E, K_E
-from contact_estimation.reproduction.simulation_cases import step_recording
 from contact_estimation.signals.contact_recording import ContactRecording
+from contact_estimation.studies.reproduction.paper import B_E, K_E
+from contact_estimation.studies.reproduction.simulation_cases import step_recording
 import numpy as np
 import pytest
 

@@ -4,8 +4,8 @@
 """
 Every number of the posterior, each with where it comes from.
 
-Probabilities are stated beliefs; `python -m contact_estimation.benchmarks.online_study` shows
-what another value does to errors and coverage.
+Probabilities are stated beliefs; `python -m contact_estimation.studies online` shows what another
+value does to errors and coverage.
 """
 
 # -- contact, sample by sample ------------------------------------------------------------------

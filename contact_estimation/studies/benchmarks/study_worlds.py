@@ -1,0 +1,298 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""
+Worlds of the estimators study: a wall, a robot in position control, and sensors as real ones are.
+
+Nothing of `plant` is used. The tool follows a prescribed path, whatever the wall does, so that
+all estimators get the same data and no reference law helps or harms them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Callable, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, lfilter
+
+from ...estimators.environment_parameters import EnvironmentParameters
+from ...physics.random_strength import log_uniform
+from ...signals.contact_sample import ContactSample
+from ...signals.synchronisation import SynchronisationParameters, Synchroniser
+
+Array = NDArray[np.float64]
+
+RATE = 500.0
+SOFTEST, STIFFEST = 300.0, 1e5
+_FINE = 10_000.0  # rate at which force and filter of the sensor are computed [Hz]
+_FREE_S, _APPROACH_S, _BETWEEN_S = 1.0, 0.5, 0.6
+_GAP = 5e-3  # of the tool from the wall in free flight [m]
+_DEEPEST = 0.03  # [m]
+_PRIOR_STD = EnvironmentParameters().location_std
+_FARTHEST = 3.0  # standard deviations of x_e: as far as a surface is looked for
+_JITTER_S = 1e-4
+_DROPPED = 0.002
+_POSITION_STEP = 1e-6  # [m]
+_VELOCITY_NOISE = 1e-4  # [m/s]
+_FORCE_STEP = 0.02  # [N]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """
+    What happens in a world.
+
+    Attributes
+    ----------
+    name : str
+        Of the scenario.
+    excited : bool or None
+        Whether the tool moves while pressing; None: in every second world.
+    contacts : int
+        Number of contacts.
+    hold_s : float
+        Duration of each [s].
+    walls : tuple of float
+        Stiffness of the wall in each contact [N/m]; (): drawn, the same in all.
+    factor : callable or None
+        Stiffness over time since the touch-down [s], relative to that of the wall.
+    change_s : float
+        When it changes, after the touch-down; 0 for a wall that is new in the last contact [s].
+    location_std : float
+        Of the true x_e about that of the parameters [m]; 0: exact.
+    exact_location : bool
+        Whether the parameters say that x_e is exact.
+    abrupt : bool
+        Whether there is a change from which estimates converge again.
+    pressing : callable or None
+        Force on the wall before it is clipped at 0, where it is not that of a spring and damper.
+
+    """
+
+    name: str
+    excited: bool | None = True
+    contacts: int = 2
+    hold_s: float = 4.0
+    walls: tuple[float, ...] = ()
+    factor: Callable[[Array], Array] | None = None
+    change_s: float = 0.0
+    location_std: float = 0.0
+    exact_location: bool = False
+    abrupt: bool = False
+    pressing: Callable[[Course, Sensor], Array] | None = None
+
+
+def _step(t: Array) -> Array:
+    return np.where(t < 2.0, 1.0, 2.0)
+
+
+def _ramp(t: Array) -> Array:
+    return 1.0 + 0.5 * np.clip((t - 1.0) / 10.0, 0.0, 1.0)
+
+
+SCENARIOS = {
+    scenario.name: scenario for scenario in (
+        Scenario('excited', exact_location=True),
+        Scenario('unexcited', excited=False, exact_location=True),
+        Scenario('excited, x_e within 2 mm', location_std=_PRIOR_STD),
+        Scenario('unexcited, x_e within 2 mm', excited=False, location_std=_PRIOR_STD),
+        Scenario('300 to 30000 N/m', excited=None, hold_s=3.0, walls=(300.0, 3e4),
+                 abrupt=True),
+        Scenario('30000 to 300 N/m', excited=None, hold_s=3.0, walls=(3e4, 300.0),
+                 abrupt=True),
+        Scenario('step x 2', contacts=1, hold_s=6.0, factor=_step, change_s=2.0, abrupt=True),
+        Scenario('ramp 50 % in 10 s', contacts=1, hold_s=11.0, factor=_ramp, change_s=1.0),
+    )
+}
+
+STEADY = tuple(name for name, scenario in SCENARIOS.items()
+               if not scenario.walls and scenario.factor is None)
+"""Scenarios in which the wall stays the same."""
+
+
+class Sensor(NamedTuple):
+    """
+    Force sensor with a low-pass filter, and whether the robot measures its velocity.
+
+    One pole delays the force by 1 / (2 pi cutoff), two (Butterworth) by sqrt(2) times that: 0.5
+    to 2.3 ms, in the root mean square the 1 ms of `synchronisation.timing_std`.
+
+    Attributes
+    ----------
+    cutoff : float
+        Cut-off frequency of the low-pass filter [Hz].
+    noise : float
+        Standard deviation of the force noise [N].
+    with_velocity : bool
+        Whether `joint_states` carry velocities.
+    poles : int
+        1 or 2, order of the low-pass filter.
+
+    """
+
+    cutoff: float
+    noise: float
+    with_velocity: bool
+    poles: int = 1
+
+
+class World(NamedTuple):
+    """
+    The samples of a world with the truth.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What happens.
+    samples : list of ContactSample
+        As paired by the synchroniser.
+    t : ndarray, shape (N,)
+        Their stamps [s].
+    stiffness, damping : ndarray, shape (N,)
+        K_e [N/m] and B_e [N s/m] of the wall.
+    contacts : list of (float, float)
+        Begin and end of the true contacts [s].
+    sensor : Sensor
+        That measured the force.
+
+    """
+
+    scenario: Scenario
+    samples: list[ContactSample]
+    t: Array
+    stiffness: Array
+    damping: Array
+    contacts: list[tuple[float, float]]
+    sensor: Sensor
+
+
+class Course(NamedTuple):
+    """
+    The path of the tool and the wall at a high rate.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Time [s].
+    delta, rate : ndarray, shape (N,)
+        Penetration [m] and its rate [m/s].
+    stiffness, damping : ndarray, shape (N,)
+        K_e [N/m] and B_e [N s/m].
+    contacts : list of (float, float)
+        Begin and end of each [s].
+
+    """
+
+    t: Array
+    delta: Array
+    rate: Array
+    stiffness: Array
+    damping: Array
+    contacts: list[tuple[float, float]]
+
+
+def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:
+    """Draw and simulate one world."""
+    key = list(SCENARIOS).index(scenario.name) if scenario.name in SCENARIOS else 99
+    draw = np.random.default_rng([seed, key, index])
+    excited = index % 2 == 0 if scenario.excited is None else scenario.excited
+    K = SOFTEST * (STIFFEST / SOFTEST) ** ((index + draw.uniform()) / count)
+    seconds = log_uniform(draw, 2e-3, 5e-2)  # B_e / K_e
+    path = _path(scenario, K, seconds, excited, draw)
+    sensor = Sensor(draw.uniform(100.0, 300.0), log_uniform(draw, 0.1, 0.5), index % 4 < 2,
+                    int(draw.integers(1, 3)))
+    off = scenario.location_std * float(np.clip(draw.standard_normal(), -_FARTHEST, _FARTHEST))
+    law = scenario.pressing or _spring_and_damper
+    samples = [sample._replace(position=sample.position + off)
+               for sample in _measure(path, law(path, sensor), sensor, draw)]
+    t = np.array([sample.stamp_ns for sample in samples]) * 1e-9
+    return World(scenario, samples, t, np.interp(t, path.t, path.stiffness),
+                 np.interp(t, path.t, path.damping), path.contacts, sensor)
+
+
+def _path(
+    scenario: Scenario, drawn: float, seconds: float, excited: bool, draw: np.random.Generator
+) -> Course:
+    """Approach, press and withdraw once for each contact, between stretches of free flight."""
+    pieces, contacts, begin = [], [], 0.0
+    for contact in range(scenario.contacts):
+        K = scenario.walls[contact] if scenario.walls else drawn
+        depth = min(draw.uniform(20.0, 60.0) / K, _DEEPEST)
+        free = _FREE_S if contact == 0 else _BETWEEN_S
+        length = free + 2.0 * _APPROACH_S + scenario.hold_s
+        t = np.arange(round(length * _FINE)) / _FINE
+        delta = _press(t - free, depth, scenario.hold_s)
+        if excited:
+            delta += depth * _excitation(t - free - _APPROACH_S, scenario.hold_s, draw)
+        touch = float(t[np.argmax(delta > 0.0)])
+        factor = scenario.factor(t - touch) if scenario.factor else np.ones_like(t)
+        inside = t[delta > 0.0]
+        contacts.append((begin + touch, begin + float(inside[-1])))
+        pieces.append(np.array([t + begin, delta, K * factor, np.full_like(t, K * seconds)]))
+        begin += length
+    t, delta, stiffness, damping = np.concatenate(pieces, axis=1)
+    return Course(t, delta, np.gradient(delta, 1.0 / _FINE), stiffness, damping, contacts)
+
+
+def _press(t: Array, depth: float, hold_s: float) -> Array:
+    """Move in from the gap to a depth along a quintic, hold, and back."""
+    into = np.clip(t / _APPROACH_S, 0.0, 1.0)
+    out = np.clip((t - _APPROACH_S - hold_s) / _APPROACH_S, 0.0, 1.0)
+    share = _quintic(into) - _quintic(out)
+    return np.asarray(-_GAP + (_GAP + depth) * share)
+
+
+def _quintic(s: Array) -> Array:
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
+
+
+def _excitation(t: Array, hold_s: float, draw: np.random.Generator) -> Array:
+    """Three sines of 1 to 8 Hz, faded in and out, together at most a third of the depth."""
+    fade = np.clip(np.minimum(t, hold_s - t) / 0.3, 0.0, 1.0)
+    frequencies, phases = draw.uniform(1.0, 8.0, 3), draw.uniform(0.0, 2.0 * pi, 3)
+    waves = np.sin(2.0 * pi * frequencies[:, None] * t + phases[:, None])
+    return np.asarray(_quintic(fade) * waves.sum(axis=0) / 9.0)
+
+
+def _spring_and_damper(path: Course, sensor: Sensor) -> Array:
+    pressing = path.stiffness * path.delta + path.damping * path.rate
+    return np.where(path.delta > 0.0, pressing, 0.0)
+
+
+def _measure(
+    path: Course, pressing: Array, sensor: Sensor, draw: np.random.Generator
+) -> list[ContactSample]:
+    """Measure at the nominal times, stamp with an error, lose some, and pair."""
+    low_pass = butter(sensor.poles, sensor.cutoff, fs=_FINE)
+    sensed = lfilter(*low_pass, np.maximum(pressing, 0.0))
+    t = np.arange(1, int(path.t[-1] * RATE)) / RATE
+    force = np.interp(t, path.t, sensed) + sensor.noise * draw.standard_normal(len(t))
+    force = _FORCE_STEP * np.round(force / _FORCE_STEP)
+    # Position 0 is the wall; a random origin of the quantisation.
+    origin = draw.uniform() * _POSITION_STEP
+    position = np.interp(t, path.t, path.delta)
+    position = _POSITION_STEP * np.round((position + origin) / _POSITION_STEP) - origin
+    velocity = np.interp(t, path.t, path.rate) + _VELOCITY_NOISE * draw.standard_normal(len(t))
+    if not sensor.with_velocity:
+        velocity = np.full_like(velocity, np.nan)
+    return _paired(t, position, velocity, -force, draw)
+
+
+def _paired(
+    t: Array, position: Array, velocity: Array, force: Array, draw: np.random.Generator
+) -> list[ContactSample]:
+    events = []
+    for kind, columns in ((0, (position, velocity)), (1, (force,))):
+        stamps = np.round((t + _JITTER_S * draw.standard_normal(len(t))) * 1e9).astype(np.int64)
+        kept = draw.uniform(size=len(t)) >= _DROPPED
+        rows = zip(stamps[kept].tolist(), *(column[kept].tolist() for column in columns))
+        events += [(row[0], kind, row[1:]) for row in rows]
+    synchroniser = Synchroniser(SynchronisationParameters())
+    samples = []
+    for stamp_ns, kind, values in sorted(events, key=lambda event: event[:2]):
+        add = synchroniser.add_wrench if kind else synchroniser.add_motion
+        samples += [axes[0] for axes in add(stamp_ns, values)]
+    return samples
