@@ -35,15 +35,8 @@ class ArmFrames:
     """
     The frames of tf, as far as they have been received.
 
-    Attributes
-    ----------
-    tree : FrameTree
-        Of all frames.
-    used : bool
-        Whether estimates depend on static transforms, so that a recording must hold them.
-    unreadable : str
-        Why no transforms can come; '' where they can.
-
+    used: whether estimates depend on static transforms, so that a recording must hold them
+    unreadable: why no transforms can come; '' where they can
     """
 
     def __init__(self) -> None:

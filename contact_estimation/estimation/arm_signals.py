@@ -79,7 +79,6 @@ def read_arm_signals(
     stamps of the wrench, for which the joints are interpolated. A normal given in the tip's frame
     is that of the instant at which the arm presses most. The inertia of a tool of known mass
     (`physics.tool_inertia.mass`) is taken out, as on line: F_e = F + mass a.
-
     """
     frames = ArmFrames()
     frames.add_static(recorded_static(reader, source))

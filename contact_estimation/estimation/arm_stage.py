@@ -23,15 +23,8 @@ class ArmStage(ABC):
 
     Every message before the session knows the arm is counted as rejected.
 
-    Attributes
-    ----------
-    frames : ArmFrames
-        Of tf.
-    events : list of EstimationEvent
-        What a recording must hold besides the messages; the user takes them out.
-    ignored : StartUp
-        In replay, what the node had refused before it knew the arm.
-
+    events: what a recording must hold besides the messages; the user takes them out
+    ignored: in replay, what the node had refused before it knew the arm
     """
 
     lacking: ClassVar[str]
@@ -66,13 +59,7 @@ class ArmStage(ABC):
         """
         Set the frame in which wrenches are measured.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Of the wrench [ns].
-        frame_id : str
-            Of the wrench; `force_sensor.frame` precedes it.
-
+        stamp_ns: of the wrench [ns]
         """
         arm = self._session.arm
         assert arm is not None

@@ -27,7 +27,6 @@ class ArmTransforms(ArmStage):
     joints: each is interpolated to the stamp of the wrench, and their product is the pose of the
     tip. The velocity along the normal follows from that position, as for joints without measured
     velocities.
-
     """
 
     lacking: ClassVar[str] = 'transforms_missing'

@@ -16,16 +16,6 @@ class AxesEstimation:
     A pipeline for each axis, the on-line checks of them, and the matrix of three.
 
     What concerns all of them at once; samples pass through the session.
-
-    Attributes
-    ----------
-    pipelines : dict of str to EstimationPipeline
-        By axis, the contact axis first.
-    checks : InputChecks
-        On-line checks of the inputs.
-    matrix : MatrixEstimation
-        Of three coupled axes.
-
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:

@@ -47,7 +47,6 @@ class CompensatedWrench:
     and that of the filter (sqrt(2) / (2 pi f_c), 4.5 ms at 50 Hz).
 
     Without that mass the wrench is neither averaged nor filtered.
-
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:
@@ -63,19 +62,9 @@ class CompensatedWrench:
         """
         Compensate the wrench of the next sample.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Of the sample [ns].
-        state : ArmState
-            Of the sample.
-
-        Returns
-        -------
-        wrench : sequence of float
-            Force [N] and torque [N m] in the sensor's frame. After a gap, the first two are
-            without inertia compensated.
-
+        stamp_ns: of the sample [ns]
+        Returns wrench: force [N] and torque [N m] in the sensor's frame. After a gap, the first
+        two are without inertia compensated.
         """
         if not self._mass:
             return [*state.wrench.tolist()]

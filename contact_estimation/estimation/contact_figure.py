@@ -28,21 +28,10 @@ def plot_contact(
     """
     Plot a contact.
 
-    Parameters
-    ----------
-    series : mapping of str to ndarray, shape (N, 2)
-        Time [s] and value of force, desired_force, position, desired and reference; of stiffness,
-        damping, stiffness_std and damping_std where they are estimated. What is missing or empty
-        is not plotted.
-    title : str
-        Above the figure.
-    true : mapping of str to float, optional
-        True stiffness and damping, where they are known.
-    force_note : str
-        Under the force; '' for none.
-    warning : str
-        Below the title; '' for none.
-
+    series (N, 2): time [s] and value of force, desired_force, position, desired and reference; of
+    stiffness, damping, stiffness_std and damping_std where they are estimated. What is missing or
+    empty is not plotted.
+    true: True stiffness and damping, where they are known
     """
     shown = {name: label for name, label in _QUANTITIES.items() if name in series}
     count = 2 + len(shown)
@@ -64,11 +53,7 @@ def signal_series(signals: RecordedSignals) -> dict[str, Series]:
     """
     Return the signals of a recording over time since its first wrench, thinned for a picture.
 
-    Returns
-    -------
-    series : dict of str to ndarray, shape (N, 2)
-        force, position, reference and desired_force, as in `plot_contact`.
-
+    Returns series (N, 2): force, position, reference and desired_force, as in `plot_contact`
     """
     begin = int(signals.wrench.stamp_ns[0])
 

@@ -26,16 +26,7 @@ def stamp_text(stamp_ns: int) -> str:
     """
     Return a stamp in seconds, exact to the nanosecond.
 
-    Parameters
-    ----------
-    stamp_ns : int
-        Stamp [ns].
-
-    Returns
-    -------
-    text : str
-        Seconds with nine digits.
-
+    stamp_ns: stamp [ns]
     """
     sign, rest = ('-', -stamp_ns) if stamp_ns < 0 else ('', stamp_ns)
     return f'{sign}{rest // 10**9}.{rest % 10**9:09d}'
@@ -48,13 +39,7 @@ class CsvEstimates:
     Numbers are written exactly: reading them returns the same bits. Axes beside the contact axis
     follow as further columns, stiffness_y and so on.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    axes : str
-        The estimated axes, the contact axis first.
-
+    axes: the estimated axes, the contact axis first
     """
 
     def __init__(self, path: Path, axes: str = 'x') -> None:
@@ -88,13 +73,7 @@ class McapEstimates:
     """
     One message a sample on each topic of the estimator node.
 
-    Parameters
-    ----------
-    path : Path
-        The file, which must not exist.
-    axes : str
-        The estimated axes, the contact axis first: the components of the vectors.
-
+    axes: the estimated axes, the contact axis first: the components of the vectors
     """
 
     def __init__(self, path: Path, axes: str) -> None:

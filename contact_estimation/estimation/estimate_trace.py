@@ -40,16 +40,9 @@ class EstimateTrace:
         """
         Return the estimates over time.
 
-        Parameters
-        ----------
-        begin_ns : int
-            Stamp of time 0 [ns].
-
-        Returns
-        -------
-        series : dict of str to ndarray, shape (N, 2)
-            Time [s] and value of each of `ESTIMATES`; empty without any estimate.
-
+        begin_ns: stamp of time 0 [ns]
+        Returns series (N, 2): time [s] and value of each of `ESTIMATES`; empty without any
+        estimate
         """
         if not self._rows:
             return {}

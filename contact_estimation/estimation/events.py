@@ -20,29 +20,16 @@ STATIC, READY = 'static_transforms', 'arm_ready'
 
 
 class EstimationEvent(NamedTuple):
-    """
-    A change of parameters, a reset or a tare, and when it took effect.
+    """A change of parameters, a reset or a tare, and when it took effect."""
 
-    Attributes
-    ----------
-    kind : str
-        'start', 'set_parameters', 'set_location', 'reset', 'tare', 'robot_description',
-        'static_transforms' or 'arm_ready'.
-    after_stamp_ns : int
-        Stamp of the sample after which it took effect [ns].
-    parameters : mapping
-        All parameters at start, those changed, those of `biases` at a tare, the text of the
-        URDF of an arm, static transforms of tf, or what came before the arm was known, see
-        `StartUp`.
-    jumps : int
-        Number of backward clock jumps before it.
-
-    """
-
+    # 'start', 'set_parameters', 'set_location', 'reset', 'tare', 'robot_description',
+    # 'static_transforms' or 'arm_ready'
     kind: str
-    after_stamp_ns: int
+    after_stamp_ns: int  # stamp of the sample after which it took effect [ns]
+    # all parameters at start, those changed, those of `biases` at a tare, the text of the URDF of
+    # an arm, static transforms of tf, or what came before the arm was known, see `StartUp`
     parameters: Mapping[str, Any]
-    jumps: int = 0
+    jumps: int = 0  # number of backward clock jumps before it
 
     @property
     def moment(self) -> Moment:
@@ -58,25 +45,7 @@ class EstimationEvent(NamedTuple):
 
     @classmethod
     def from_text(cls, text: str) -> 'EstimationEvent':
-        """
-        Return the event that `to_text` has written.
-
-        Parameters
-        ----------
-        text : str
-            One event.
-
-        Returns
-        -------
-        event : EstimationEvent
-            The event.
-
-        Raises
-        ------
-        RecordingError
-            If the text is not an event.
-
-        """
+        """Return the event that `to_text` has written."""
         try:
             content = json_content(text)
             parameters = dict(content['parameters'])
@@ -108,24 +77,7 @@ def _is_usable(kind: str, parameters: Mapping[str, Any]) -> bool:
 def event_now(
     session: ContactSession, kind: str, parameters: Mapping[str, Any]
 ) -> EstimationEvent:
-    """
-    Return the event that describes a change just made.
-
-    Parameters
-    ----------
-    session : ContactSession
-        The session changed.
-    kind : str
-        As in `EstimationEvent`.
-    parameters : mapping
-        As in `EstimationEvent`.
-
-    Returns
-    -------
-    event : EstimationEvent
-        After the last sample processed.
-
-    """
+    """Return the event that describes a change just made."""
     jumps, stamp_ns = session.moment
     return EstimationEvent(kind, stamp_ns, parameters, jumps)
 
@@ -134,17 +86,9 @@ def set_location(session: ContactSession) -> tuple[bool, str, dict[str, float]]:
     """
     Return the change of parameters that sets x_e to where the tool is.
 
-    Parameters
-    ----------
-    session : ContactSession
-        Whose last sample counts; along the contact axis alone.
-
-    Returns
-    -------
-    done, message, changes : bool, str, dict
-        False without a sample so far; what is set and what makes it doubtful, or why nothing is
-        set; dotted name to value.
-
+    session: whose last sample counts; along the contact axis alone
+    Returns done, message, changes: False without a sample so far; what is set and what makes it
+    doubtful, or why nothing is set; dotted name to value
     """
     x = session.last_position
     if x != x:
@@ -157,17 +101,9 @@ def caution_on_location(session: ContactSession) -> str:
     """
     Return why the surface may not be where the tool is.
 
-    Parameters
-    ----------
-    session : ContactSession
-        Whose last sample counts; along the contact axis alone.
-
-    Returns
-    -------
-    caution : str
-        '' where the tool touches lightly: K_hat puts it within `environment.location_std` of the
-        surface.
-
+    session: whose last sample counts; along the contact axis alone
+    Returns caution: '' where the tool touches lightly: K_hat puts it within
+    `environment.location_std` of the surface
     """
     pipeline, std = session.pipeline, session.parameters.environment.location_std
     if not pipeline.contact:
@@ -185,16 +121,8 @@ def biases(session: ContactSession) -> dict[str, float]:
     """
     Return the force biases of a session as parameters of a tare event.
 
-    Parameters
-    ----------
-    session : ContactSession
-        The session tared.
-
-    Returns
-    -------
-    parameters : dict
-        force_bias of the contact axis [N]; with several axes, also force_bias.AXIS of each.
-
+    Returns parameters: force_bias of the contact axis [N]; with several axes, also force_bias.AXIS
+    of each
     """
     by_axis = {f'force_bias.{axis}': p.bias for axis, p in session.pipelines.items()}
     own = {'force_bias': session.pipeline.bias}
@@ -205,14 +133,8 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     """
     Repeat a recorded event on a session.
 
-    Parameters
-    ----------
-    session : ContactSession
-        The session to change.
-    event : EstimationEvent
-        The event; those of the arm have no effect here, see `ArmStage`, and 'start' none,
-        since it must be known before the first sample.
-
+    event: the event; those of the arm have no effect here, see `ArmStage`, and 'start' none, since
+    it must be known before the first sample
     """
     if event.kind in (CHANGE, LOCATION):
         try:

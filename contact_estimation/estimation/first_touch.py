@@ -29,12 +29,8 @@ class FirstTouch:
     """
     Follow the force of a touch-down until it has risen, then find where it began.
 
-    Parameters
-    ----------
-    known_forces : callable
-        From a surface not known before, and a number of samples, to the force of known physics on
-        the last of them [N].
-
+    known_forces: from a surface not known before, and a number of samples, to the force of known
+    physics on the last of them [N]
     """
 
     def __init__(self, known_forces: KnownForces) -> None:
@@ -49,21 +45,10 @@ class FirstTouch:
         """
         Follow a sample.
 
-        Parameters
-        ----------
-        touching : bool
-            Whether it is in contact.
-        x, v : float
-            Position [m], and its measured rate, NaN without [m/s].
-        pressing, dt, noise : float
-            Pressing force above that of free flight [N], time since the last sample [s], standard
-            deviation of the force [N].
-
-        Returns
-        -------
-        surface, std : float, float
-            x_e and its standard deviation [m]; None while it is not known.
-
+        x, v: position [m], and its measured rate, NaN without [m/s]
+        pressing, dt, noise: pressing force above that of free flight [N], time since the last
+        sample [s], standard deviation of the force [N]
+        Returns surface, std: x_e and its standard deviation [m]; None while it is not known
         """
         point = x, pressing, v, dt
         if not touching:
@@ -94,19 +79,11 @@ def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float
     The wall K (x - x_e) + B v acts beyond x_e alone; the x_e that leaves the least residual is
     chosen, among the positions passed and then between them.
 
-    Parameters
-    ----------
-    approach, rise : ndarray, shape (N, 4), (M, 4)
-        Position [m], pressing force [N], rate [m/s] (NaN where not measured) and time since the
-        sample before [s], before and after the detection of contact; N may be 0.
-    noise : float
-        Standard deviation of the force [N].
-
-    Returns
-    -------
-    surface, std : float, float
-        x_e and its standard deviation [m].
-
+    approach, rise (N, 4), (M, 4): position [m], pressing force [N], rate [m/s]
+    (NaN where not measured) and time since the sample before [s], before and after the detection
+    of contact; N may be 0
+    noise: standard deviation of the force [N]
+    Returns surface, std: x_e and its standard deviation [m]
     """
     x, force, v, dt = np.concatenate([approach, rise]).T
     if not np.isfinite(v).all():

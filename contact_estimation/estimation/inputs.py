@@ -27,13 +27,8 @@ class MessageInputs:
 
     A message that cannot be used is counted as rejected and gives no result.
 
-    Attributes
-    ----------
-    frame_id : str
-        Frame of the wrenches: as configured, else that of the first wrench; '' before it.
-    arm : ArmStage or None
-        Of an arm, where one is configured: takes its motion, and waits for what describes it.
-
+    frame_id: frame of the wrenches: as configured, else that of the first wrench; '' before it
+    arm: of an arm, where one is configured: takes its motion, and waits for what describes it
     """
 
     def __init__(self, session: ContactSession) -> None:

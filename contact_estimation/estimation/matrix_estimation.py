@@ -23,13 +23,7 @@ class MatrixEstimation:
     """
     Estimate the matrices from the samples of a session, where its parameters say so.
 
-    Attributes
-    ----------
-    last : MatrixEstimate or None
-        The last estimate.
-    runs : bool
-        Whether the parameters name a matrix estimator.
-
+    runs: whether the parameters name a matrix estimator
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:

@@ -12,23 +12,11 @@ _NOTABLE = 2.0  # residual rms over what noise and the usual error of a model ex
 
 
 class Fit(NamedTuple):
-    """
-    One judgement.
+    """One judgement."""
 
-    Attributes
-    ----------
-    ratio : float
-        Rms of the residual over that of noise and model error; NaN before any.
-    text : str
-        What is wrong; '' where a law fits.
-    stamp_ns : int
-        When it was judged [ns].
-
-    """
-
-    ratio: float
-    text: str
-    stamp_ns: int
+    ratio: float  # rms of the residual over that of noise and model error; NaN before any
+    text: str  # what is wrong; '' where a law fits
+    stamp_ns: int  # when it was judged [ns]
 
 
 NO_FIT = Fit(nan, '', 0)
@@ -38,13 +26,8 @@ class ModelFitMonitor:
     """
     The fit now and at its worst.
 
-    Attributes
-    ----------
-    now, worst : Fit
-        Of the last 2 s of contact, and the largest that was notable.
-    count : int
-        How often a law began not to fit.
-
+    now, worst: of the last 2 s of contact, and the largest that was notable
+    count: how often a law began not to fit
     """
 
     def __init__(self) -> None:
@@ -58,15 +41,7 @@ class ModelFitMonitor:
         """
         Judge a ratio.
 
-        Parameters
-        ----------
-        ratio : float
-            As of `Fit`.
-        law : str
-            That fits best.
-        stamp_ns : int
-            Of the sample [ns].
-
+        stamp_ns: of the sample [ns]
         """
         text = ''
         if ratio > _NOTABLE:

@@ -36,18 +36,8 @@ class ExperiencedTime:
     bursts, then need no parameter, and up to a tenth of false stamps do not lengthen the period.
     Since every instant takes messages, stamps can make x_r slower, but not faster than its limit.
 
-    Parameters
-    ----------
-    nominal_s : float
-        Nominal time between samples [s].
-
-    Attributes
-    ----------
-    nominal_s : float
-        As above; may be changed.
-    period_s : float
-        Most that the groups of an instant may take [s].
-
+    nominal_s: nominal time between samples [s]
+    period_s: most that the groups of an instant may take [s]
     """
 
     def __init__(self, nominal_s: float) -> None:
@@ -66,11 +56,7 @@ class ExperiencedTime:
         """
         Begin a group of references.
 
-        Parameters
-        ----------
-        newest : (int, int)
-            Last stamps of both topics [ns].
-
+        newest: last stamps of both topics [ns]
         """
         before, self._newest, begin = self._newest, newest, self._begin
         if before is None:
@@ -100,11 +86,7 @@ class ExperiencedTime:
         """
         Return for how long a reference of the group may move.
 
-        Parameters
-        ----------
-        elapsed_s : float
-            Time since the reference before, by their stamps [s].
-
+        elapsed_s: time since the reference before, by their stamps [s]
         """
         rest = self._rest_s
         taken = 0.0 if not elapsed_s > 0.0 else elapsed_s if elapsed_s < rest else rest
@@ -122,7 +104,6 @@ class ReferenceStream:
     is found more than `reference.limits.lead` away from x_r after its clock was set back has been
     moved by others: x_r then returns to it at `reference.maximum_velocity` and rests there until
     the planner or a force law asks for something else.
-
     """
 
     def __init__(self, parameters: EstimationParameters, rejected: Counter[str]) -> None:
@@ -163,7 +144,6 @@ class ReferenceStream:
         Expect the next sample on another clock, as after a backward jump; x_r goes on.
 
         The setpoint in force remains until the planner has another one on that clock.
-
         """
         self._start_ns = self._last_ns = BEFORE_ANY
         self._resting = self._wanted._replace(velocity=0.0, acceleration=0.0)
@@ -178,11 +158,7 @@ class ReferenceStream:
         """
         Begin the samples that one message completes, whose references the robot gets together.
 
-        Parameters
-        ----------
-        newest_ns : (int, int)
-            Last stamps of wrenches and joint states [ns].
-
+        newest_ns: last stamps of wrenches and joint states [ns]
         """
         self._time.arrive(newest_ns)
 
@@ -190,14 +166,9 @@ class ReferenceStream:
         """
         Add a setpoint of the planner.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Instant from which it holds [ns].
-        desired : Desired
-            Position with derivatives and force. A position that is not finite is rejected; a
-            force <= 0 counts as none, derivatives that are not finite as 0.
-
+        stamp_ns: instant from which it holds [ns]
+        desired: position with derivatives and force. A position that is not finite is rejected; a
+        force <= 0 counts as none, derivatives that are not finite as 0.
         """
         if not isfinite(desired.position):
             self._rejected['desired_not_finite'] += 1
@@ -256,7 +227,6 @@ class ReferenceStream:
         Return the newest setpoint at an instant; before any, the position of the first sample.
 
         A setpoint older than the timeout is a position to rest at: its rates no longer apply.
-
         """
         setpoints = self._setpoints
         while len(setpoints) > 1 and setpoints[1][0] <= stamp_ns:

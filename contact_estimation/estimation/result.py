@@ -17,46 +17,20 @@ AxesEstimates = tuple[Estimate, ...]
 
 
 class Moment(NamedTuple):
-    """
-    The stamp of a sample, unique even where the clock has jumped back.
+    """The stamp of a sample, unique even where the clock has jumped back."""
 
-    Attributes
-    ----------
-    jumps : int
-        Number of backward clock jumps before the sample.
-    stamp_ns : int
-        Stamp of the sample [ns].
-
-    """
-
-    jumps: int
-    stamp_ns: int
+    jumps: int  # number of backward clock jumps before the sample
+    stamp_ns: int  # stamp of the sample [ns]
 
 
 class Result(NamedTuple):
-    """
-    The estimates and the reference that belong to one sample.
+    """The estimates and the reference that belong to one sample."""
 
-    Attributes
-    ----------
-    sample : ContactSample
-        Of the contact axis.
-    estimates : AxesEstimates
-        One for each estimated axis, the contact axis first.
-    reference_stamp_ns : int
-        Instant from which the robot follows the reference [ns].
-    reference : Reference or None
-        None where the session does not generate it (replay).
-    arm : ArmState or None
-        Pose and compensated wrench of an arm.
-
-    """
-
-    sample: ContactSample
-    estimates: AxesEstimates
-    reference_stamp_ns: int
-    reference: Reference | None
-    arm: ArmState | None = None
+    sample: ContactSample  # of the contact axis
+    estimates: AxesEstimates  # one for each estimated axis, the contact axis first
+    reference_stamp_ns: int  # instant from which the robot follows the reference [ns]
+    reference: Reference | None  # None where the session does not generate it (replay)
+    arm: ArmState | None = None  # pose and compensated wrench of an arm
 
     @property
     def estimate(self) -> Estimate:

@@ -52,13 +52,8 @@ def of_the_wall(
     A spring 1 / C in series with K_e + B_e s appears as K = K_e / (1 + C K_e) and
     B = B_e / (1 + C K_e)^2 at frequencies below those of both.
 
-    Parameters
-    ----------
-    estimate : tuple of float
-        The fields of a `ParameterEstimate` of the measured force and position.
-    robot : RobotParameters
-        Compliance C [m/N] and its standard deviation.
-
+    estimate: the fields of a `ParameterEstimate` of the measured force and position
+    robot: compliance C [m/N] and its standard deviation
     """
     K, B, K_std, B_std, shift, inertia = estimate
     C, C_std = robot.compliance, robot.compliance_std
@@ -75,17 +70,8 @@ def seen_by_the_robot(stiffness: float, robot: RobotParameters) -> float:
     """
     Return the stiffness of wall and robot in series, which relates measured position and force.
 
-    Parameters
-    ----------
-    stiffness : float
-        K_e of the wall alone [N/m].
-    robot : RobotParameters
-        Compliance C [m/N].
-
-    Returns
-    -------
-    stiffness : float
-        K_e / (1 + C K_e) [N/m].
-
+    stiffness: K_e of the wall alone [N/m]
+    robot: compliance C [m/N]
+    Returns stiffness: K_e / (1 + C K_e) [N/m]
     """
     return stiffness / (1.0 + robot.compliance * stiffness)

@@ -31,15 +31,7 @@ _ELSEWHERE = 4.0  # the same of a surface, which is looked at with every row
 
 
 class RowEstimation:
-    """
-    Rows of an estimator's relation, its updates, and its restarts where the wall has changed.
-
-    Attributes
-    ----------
-    estimator : OnlineEstimator
-        The estimator.
-
-    """
+    """Rows of an estimator's relation, its updates, and restarts where the wall has changed."""
 
     def __init__(self, parameters: EstimationParameters, posterior: WallPosterior) -> None:
         p, self._posterior = parameters, posterior
@@ -89,17 +81,11 @@ class RowEstimation:
         """
         Update with a sample in contact.
 
-        Parameters
-        ----------
-        dt : float
-            Time since the last sample [s].
-        depth, v, pressing : float
-            x less the nominal surface [m], its measured rate (NaN without) [m/s], force [N].
-        known : CompensatedSample or None
-            What known physics leave; None without any.
-        found : float
-            Where the posterior is sure of the surface, less the nominal one [m]; else NaN.
-
+        dt: time since the last sample [s]
+        depth, v, pressing: x less the nominal surface [m], its measured rate (NaN without) [m/s],
+        force [N]
+        known: what known physics leave; None without any
+        found: where the posterior is sure of the surface, less the nominal one [m]; else NaN
         """
         posterior = self._posterior
         if not self._touched:

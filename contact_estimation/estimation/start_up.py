@@ -15,11 +15,7 @@ class StartUp:
     In replay the arm is known from the first message on. What the node refused must be refused
     again, or the estimates differ in their last digits.
 
-    Attributes
-    ----------
-    wrench_ns, motion_ns : int
-        Newest stamps of a wrench and of a motion that were refused [ns].
-
+    wrench_ns, motion_ns: newest stamps of a wrench and of a motion that were refused [ns]
     """
 
     def __init__(self, wrench_ns: int = BEFORE_ANY, motion_ns: int = BEFORE_ANY) -> None:

@@ -15,23 +15,11 @@ from ..reference.parameters import PoseLimits
 
 
 class TargetPose(NamedTuple):
-    """
-    A pose of the tip in the base frame.
+    """A pose of the tip in the base frame."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Instant from which it holds [ns].
-    position : sequence of float
-        Of the tip's origin [m].
-    quaternion : sequence of float
-        x, y, z, w.
-
-    """
-
-    stamp_ns: int
-    position: Sequence[float]
-    quaternion: Sequence[float]
+    stamp_ns: int  # instant from which it holds [ns]
+    position: Sequence[float]  # of the tip's origin [m]
+    quaternion: Sequence[float]  # x, y, z, w
 
 
 def check_target_pose(parameters: EstimationParameters) -> None:
@@ -72,22 +60,9 @@ def step_along(
     """
     Return the step along the normal that is nearest to a wanted one within the limits.
 
-    Parameters
-    ----------
-    position : sequence of float
-        Measured [m].
-    normal : sequence of float
-        Unit vector.
-    step : float
-        Wanted [m].
-    limits : PoseLimits
-        Lead and box.
-
-    Returns
-    -------
-    step : float or None
-        In [m]; None where no step leads into the box, or the wanted one is not finite.
-
+    position: measured [m]
+    step: wanted [m]
+    Returns step: in [m]; None where no step leads into the box, or the wanted one is not finite
     """
     if not isfinite(step):
         return None

@@ -31,56 +31,29 @@ _STICKING = 'points stick: their friction is unknown'
 
 
 class ContactPointsSample(NamedTuple):
-    """
-    Force and motion at one instant.
+    """Force and motion at one instant."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp of the wrench [ns].
-    force : ndarray, shape (3,)
-        Measured F_e on the tool [N].
-    motion : ToolMotion
-        Pose and twist, in the frame of the force.
-
-    """
-
-    stamp_ns: int
-    force: Array
-    motion: ToolMotion
+    stamp_ns: int  # header stamp of the wrench [ns]
+    force: Array  # (3,) measured F_e on the tool [N]
+    motion: ToolMotion  # pose and twist, in the frame of the force
 
 
 class ContactPointsEstimate(NamedTuple):
-    """
-    Estimate after one sample.
+    """Estimate after one sample."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the sample [ns].
-    stiffness, damping, friction : float
-        K_hat [N/m], B_hat [N s/m] and mu_hat.
-    stiffness_std, damping_std, friction_std : float
-        Their standard deviations; 0 for a friction that is known.
-    touching : tuple of bool
-        Points that are known to press.
-    status : EstimateStatus
-        Free, estimating or frozen.
-    reason : str
-        Why parameters are frozen, else ''.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # stamp of the sample [ns]
+    # stiffness, damping, friction: K_hat [N/m], B_hat [N s/m] and mu_hat
     stiffness: float
     damping: float
     friction: float
+    # stiffness_std, damping_std, friction_std: their standard deviations; 0 for a friction that is
+    # known
     stiffness_std: float
     damping_std: float
     friction_std: float
-    touching: tuple[bool, ...]
-    status: EstimateStatus
-    reason: str
+    touching: tuple[bool, ...]  # points that are known to press
+    status: EstimateStatus  # free, estimating or frozen
+    reason: str  # why parameters are frozen, else ''
 
 
 class ContactPointsEstimator:
@@ -99,7 +72,6 @@ class ContactPointsEstimator:
     The friction of a sticking point does not follow from its motion: the direction of a measured
     velocity near 0 is noise and biases mu and K_hat towards 0. Only rows that friction of
     sticking points cannot affect are used.
-
     """
 
     def __init__(

@@ -59,7 +59,6 @@ class Kalman(OnlineEstimator):
     A frozen parameter is a consider parameter (Schmidt): its value and covariance stay, without
     random walk, and its uncertainty enters the others. If B_e were treated as known, a wrong
     initial value would bias K_hat.
-
     """
 
     Parameters = KalmanParameters

@@ -57,7 +57,6 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
     P is the covariance itself, in (K_e, B_e, M_e). Frozen or poorly known parameters are not
     forgotten; frozen ones enter as consider parameters (Schmidt), as in `rls`.
-
     """
 
     Parameters = AdaptiveLeastSquaresParameters
@@ -134,7 +133,6 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
         A sudden change of the wall raises the residual too: the noise variance may grow by a
         factor e per `memory_samples` rows at most.
-
         """
         slow = self._variance * self._noise_growth or noise_variance
         variance = slow if slow < noise_variance else noise_variance

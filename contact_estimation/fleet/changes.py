@@ -22,36 +22,22 @@ _NEAR = 1.92  # half the 95 % point of chi-square with one degree of freedom
 
 
 class Change(NamedTuple):
-    """
-    A change of how often a family is named in a group.
+    """A change of how often a family is named in a group."""
 
-    Attributes
-    ----------
-    group, family : str
-        Of the effects.
-    entry : Entry
-        The first recording after the change.
-    number : int
-        Of that recording in its group, from 1.
-    earliest, latest : int
-        95 % interval of `number`, by the likelihood ratio.
-    before, after : (int, int)
-        Recordings with the name, and all recordings, on each side of the change.
-    chance : float
-        Probability of a change as clear in any group and family, if the order of the recordings
-        says nothing: permutation test of the largest likelihood ratio, corrected by Holm's method
-        for the number of groups and families.
-
-    """
-
+    # group, family: of the effects
     group: str
     family: str
-    entry: Entry
-    number: int
+    entry: Entry  # the first recording after the change
+    number: int  # of that recording in its group, from 1
+    # earliest, latest: 95 % interval of `number`, by the likelihood ratio
     earliest: int
     latest: int
+    # before, after: recordings with the name, and all recordings, on each side of the change
     before: tuple[int, int]
     after: tuple[int, int]
+    # probability of a change as clear in any group and family, if the order of the recordings says
+    # nothing: permutation test of the largest likelihood ratio, corrected by Holm's method for the
+    # number of groups and families
     chance: float
 
 

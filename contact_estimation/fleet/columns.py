@@ -9,26 +9,12 @@ from typing import NamedTuple
 
 
 class Column(NamedTuple):
-    """
-    A column of the table.
+    """A column of the table."""
 
-    Attributes
-    ----------
-    name : str
-        In the file.
-    kind : str
-        'text', 'integer', 'number', 'time', 'texts', 'numbers', 'checks' or 'parameters'.
-    unit : str
-        SI; '' for what has none.
-    meaning : str
-        In words; of an episode or, by default, of the whole recording.
-
-    """
-
-    name: str
-    kind: str
-    unit: str
-    meaning: str
+    name: str  # in the file
+    kind: str  # 'text', 'integer', 'number', 'time', 'texts', 'numbers', 'checks' or 'parameters'
+    unit: str  # SI; '' for what has none
+    meaning: str  # in words; of an episode or, by default, of the whole recording
 
 
 COLUMNS = (

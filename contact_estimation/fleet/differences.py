@@ -23,31 +23,18 @@ Members = dict[str, list[Entry]]
 
 
 class Difference(NamedTuple):
-    """
-    A group that differs from most others.
+    """A group that differs from most others."""
 
-    Attributes
-    ----------
-    group : str
-        Which.
-    what : str
-        'stiffness', 'damping', or the family of effects.
-    own, others : float
-        Median of the quantity, or share of the recordings in which the family is named.
-    differs_from, tested : int
-        Number of other groups that it differs from, and that it was compared with.
-    chance : float
-        Largest corrected p-value of the pairs that differ.
-
-    """
-
-    group: str
-    what: str
+    group: str  # which
+    what: str  # 'stiffness', 'damping', or the family of effects
+    # own, others: median of the quantity, or share of the recordings in which the family is named
     own: float
     others: float
+    # differs_from, tested: number of other groups that it differs from, and that it was compared
+    # with
     differs_from: int
     tested: int
-    chance: float
+    chance: float  # largest corrected p-value of the pairs that differ
 
     @property
     def is_quantity(self) -> bool:
@@ -68,7 +55,6 @@ def differences(entries: Sequence[Entry]) -> list[Difference]:
     Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
     (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
     recordings do not resolve do not differ.
-
     """
     groups = {group: known for group, members in by_group(entries).items()
               if len(known := [one for one in distinct(members) if one.report]) >= _LEAST}

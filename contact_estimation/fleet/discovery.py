@@ -24,23 +24,11 @@ _BAG = 'metadata.yaml'
 
 
 class FoundRecording(NamedTuple):
-    """
-    A recording of the archive.
+    """A recording of the archive."""
 
-    Attributes
-    ----------
-    name : str
-        Its path as found, below the path that was given; bytes that are not UTF-8 escaped.
-    path : str
-        Absolute: workers have a working directory of their own.
-    group : str
-        The robot, wall or day that it belongs to.
-
-    """
-
-    name: str
-    path: str
-    group: str
+    name: str  # its path as found, below the path that was given; bytes that are not UTF-8 escaped
+    path: str  # absolute: workers have a working directory of their own
+    group: str  # the robot, wall or day that it belongs to
 
 
 def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[FoundRecording]:

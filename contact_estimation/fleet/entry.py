@@ -15,35 +15,15 @@ from ..recordings.bag_folder import natural_order
 
 @dataclass(frozen=True)
 class Entry:
-    """
-    A recording and its results.
+    """A recording and its results."""
 
-    Attributes
-    ----------
-    name : str
-        Path as found.
-    path : str
-        Absolute path.
-    group : str
-        Robot, wall or day.
-    sha256 : str
-        Of its content; '' if that could not be read.
-    outcome : dict
-        Results of a worker.
-    page : str
-        Page of its diagnosis, relative to the folder of the run; '' if there is none.
-    number : int
-        Place in time, from 1.
-
-    """
-
-    name: str
-    path: str
-    group: str
-    sha256: str
-    outcome: Outcome
-    page: str = ''
-    number: int = 0
+    name: str  # path as found
+    path: str  # absolute path
+    group: str  # robot, wall or day
+    sha256: str  # of its content; '' if that could not be read
+    outcome: Outcome  # results of a worker
+    page: str = ''  # page of its diagnosis, relative to the folder of the run; '' if there is none
+    number: int = 0  # place in time, from 1
 
     @classmethod
     def of(cls, found: FoundRecording, sha256: str, outcome: Outcome, page: str) -> 'Entry':

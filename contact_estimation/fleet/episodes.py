@@ -23,11 +23,7 @@ class Episodes:
     """
     Collect the contacts of a stream of estimates.
 
-    Attributes
-    ----------
-    first_ns, last_ns : int or None
-        Stamps of the first and last sample [ns].
-
+    first_ns, last_ns: stamps of the first and last sample [ns]
     """
 
     def __init__(self) -> None:
@@ -54,12 +50,8 @@ class Episodes:
         """
         Return the contacts.
 
-        Returns
-        -------
-        episodes : list of dict
-            Number from 1, begin and end [s] since the first sample, status and estimates at
-            the end; None for what is not estimated. Contacts under 0.2 s are left out.
-
+        Returns episodes: number from 1, begin and end [s] since the first sample, status and
+        estimates at the end; None for what is not estimated. Contacts under 0.2 s are left out.
         """
         self._finish()
         return self._found

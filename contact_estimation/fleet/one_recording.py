@@ -32,20 +32,10 @@ POOLED_NAMES = {'version', 'report', 'error'}
 
 
 class Result(NamedTuple):
-    """
-    What a worker returns.
+    """What a worker returns."""
 
-    Attributes
-    ----------
-    outcome : dict
-        Ready for JSON.
-    page : str
-        The diagnosis as HTML; '' without.
-
-    """
-
-    outcome: Outcome
-    page: str
+    outcome: Outcome  # ready for JSON
+    page: str  # the diagnosis as HTML; '' without
 
 
 def process(path: str, settings: Settings, with_page: bool) -> Result:

@@ -25,31 +25,16 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class Fleet:
-    """
-    The results of a run.
+    """The results of a run."""
 
-    Attributes
-    ----------
-    entries : list of Entry
-        By group, and in time within each: the order of the table.
-    pooled : list of PooledResult
-        One for each group of enough recordings.
-    changes : list of Change
-        What is named from some recording on.
-    done, redone : int
-        Recordings whose results were there already, and those whose results were not; copies
-        count, too.
-    settings : Settings
-        Of all of them.
-
-    """
-
-    entries: list[Entry]
-    pooled: list[PooledResult]
-    changes: list[Change]
+    entries: list[Entry]  # by group, and in time within each: the order of the table
+    pooled: list[PooledResult]  # one for each group of enough recordings
+    changes: list[Change]  # what is named from some recording on
+    # done, redone: recordings whose results were there already, and those whose results were not;
+    # copies count, too
     done: int
     redone: int
-    settings: Settings
+    settings: Settings  # of all of them
 
     @property
     def failed(self) -> list[Entry]:

@@ -23,41 +23,23 @@ _DAY_NS = 86_400e9
 
 
 class Trend(NamedTuple):
-    """
-    The trend of a quantity in a group.
+    """The trend of a quantity in a group."""
 
-    Attributes
-    ----------
-    group, quantity : str
-        The latter a key of `QUANTITIES`.
-    numbers : ndarray of int, shape (N,)
-        Recording in the group, from 1.
-    values, stds : ndarray, shape (N,)
-        Of the corrected models.
-    slope : float
-        Median slope per recording (Theil-Sen); NaN with too few recordings.
-    low, high : float
-        Its 95 % interval (Sen 1968).
-    intercept : float
-        Of the line, at number 0.
-    per_day : float
-        Median slope per day; NaN where the stamps do not tell days.
-    significant : bool
-        Whether the interval at a level corrected for the number of trends (Bonferroni) excludes
-        0, and the change over all recordings is resolved.
-
-    """
-
+    # group, quantity: the latter a key of `QUANTITIES`
     group: str
     quantity: str
-    numbers: NDArray[np.int64]
+    numbers: NDArray[np.int64]  # (N,) recording in the group, from 1
+    # values, stds (N,): of the corrected models
     values: Array
     stds: Array
-    slope: float
+    slope: float  # median slope per recording (Theil-Sen); NaN with too few recordings
+    # low, high: its 95 % interval (Sen 1968)
     low: float
     high: float
-    intercept: float
-    per_day: float
+    intercept: float  # of the line, at number 0
+    per_day: float  # median slope per day; NaN where the stamps do not tell days
+    # whether the interval at a level corrected for the number of trends (Bonferroni) excludes 0,
+    # and the change over all recordings is resolved
     significant: bool
 
     def percent(self, slope: float) -> float:

@@ -16,22 +16,11 @@ Array = NDArray[np.float64]
 
 
 class ArmReading(NamedTuple):
-    """
-    One message of sensor_msgs/msg/JointState.
+    """One message of sensor_msgs/msg/JointState."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Of its header.
-    names : tuple of str
-        The joints.
-    position, velocity, effort : ndarray
-        As published: empty where the publisher leaves them out.
-
-    """
-
-    stamp_ns: int
-    names: tuple[str, ...]
+    stamp_ns: int  # of its header
+    names: tuple[str, ...]  # the joints
+    # position, velocity, effort: as published: empty where the publisher leaves them out
     position: Array
     velocity: Array
     effort: Array

@@ -13,26 +13,12 @@ DIAGNOSTICS_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 
 
 class DiagnosticReading(NamedTuple):
-    """
-    One status of a diagnostic message.
+    """One status of a diagnostic message."""
 
-    Attributes
-    ----------
-    level : int
-        0 for OK, 1 for WARN, 2 for ERROR, 3 for STALE.
-    name : str
-        Of the component.
-    message : str
-        Its state in a sentence.
-    values : dict of str to str
-        By key.
-
-    """
-
-    level: int
-    name: str
-    message: str
-    values: dict[str, str]
+    level: int  # 0 for OK, 1 for WARN, 2 for ERROR, 3 for STALE
+    name: str  # of the component
+    message: str  # its state in a sentence
+    values: dict[str, str]  # by key
 
 
 def decode_diagnostics(raw: bytes) -> list[DiagnosticReading]:

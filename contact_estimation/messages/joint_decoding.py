@@ -24,12 +24,8 @@ class SeveralJointsDecoder:
         """
         Read one message.
 
-        Returns
-        -------
-        stamp_ns, positions, velocities : int, tuple of float, tuple of float
-            Stamp [ns], positions [m] and velocities [m/s] in the order of the joints, NaN for
-            velocities that the message does not have.
-
+        Returns stamp_ns, positions, velocities: stamp [ns], positions [m] and velocities [m/s] in
+        the order of the joints, NaN for velocities that the message does not have
         """
         values = self._reader.read(raw)
         return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]
@@ -38,12 +34,8 @@ class SeveralJointsDecoder:
         """
         Read many messages at once.
 
-        Returns
-        -------
-        stamps_ns, positions, velocities : ndarray, tuple of ndarray, tuple of ndarray, or None
-            As of `decode`, one array of shape (N,) a joint; None where they must be read one by
-            one.
-
+        Returns stamps_ns, positions, velocities: as of `decode`, one array of shape (N,) a joint;
+        None where they must be read one by one
         """
         columns = self._reader.read_many(raws)
         return None if columns is None else (columns[1], columns[2::2], columns[3::2])
@@ -100,7 +92,6 @@ def _trajectory_offsets(joint: str, cursor: CdrCursor) -> list[int | None]:
 
     A point is positions[], velocities[], accelerations[], effort[], time_from_start (int32 and
     uint32).
-
     """
     names = cursor.texts()
     points = []

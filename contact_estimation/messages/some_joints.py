@@ -23,12 +23,8 @@ class SomeJointsDecoder:
         """
         Read one message.
 
-        Returns
-        -------
-        stamp_ns, positions, velocities : int, tuple of float, tuple of float
-            Stamp [ns], positions [rad] or [m] and velocities in the order of the joints, NaN for
-            what the message does not have.
-
+        Returns stamp_ns, positions, velocities: stamp [ns], positions [rad] or [m] and velocities
+        in the order of the joints, NaN for what the message does not have
         """
         values = self._reader.read(raw)
         return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]

@@ -27,7 +27,6 @@ class ActuatorLag(RobotEffect):
     M_t xdd = f + F_e, tau f' + f = u.
 
     Eppinger and Seering, Proc. IEEE Conf. Robotics and Automation, 1987: actuator dynamics.
-
     """
 
     name = 'actuator_lag'

@@ -31,7 +31,6 @@ class AsymmetricDamping(ContactEffect):
     A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
     2007); colliding structures damp their approach (Jankowski 2005). No direction is driven:
     |B_a| <= B_e.
-
     """
 
     name = 'asymmetric_damping'

@@ -40,7 +40,6 @@ class BeatingEnvironment(ContactEffect):
 
     Den Hartog, Mechanical Vibrations, 1956 (coupled oscillators); a breathing patient: Lujan,
     Larsen, Balter and Ten Haken, Medical Physics 26(5), 1999.
-
     """
 
     name = 'beating_environment'

@@ -31,7 +31,6 @@ class DmtAdhesion(Adhesion):
 
     Derjaguin, Muller and Toporov, J. Colloid and Interface Science 53, 1975: attraction adds to
     the elastic force without changing it. The liquid neck between wet surfaces pulls alike.
-
     """
 
     name = 'dmt_adhesion'

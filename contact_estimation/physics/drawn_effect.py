@@ -19,39 +19,20 @@ _LARGEST_OVER_START = 30.0  # of an effect that does not say what is plausible
 
 
 class DrawnEffect(ABC):
-    """
-    Starts and draws of the parameters of an effect.
+    """Starts and draws of the parameters of an effect."""
 
-    Attributes
-    ----------
-    Parameters : type of ParameterGroup
-        All fields are floats; NaN, the default, switches the effect off.
-    neutral : mapping
-        Values of parameters at which the effect vanishes, where not 0.
-    either_sign : bool
-        Whether the first parameter is drawn with either sign.
-
-    """
-
+    # all fields are floats; NaN, the default, switches the effect off
     Parameters: ClassVar[type[ParameterGroup]]
+    # values of parameters at which the effect vanishes, where not 0
     neutral: ClassVar[Mapping[str, float]] = {}
-    either_sign: ClassVar[bool] = False
+    either_sign: ClassVar[bool] = False  # whether the first parameter is drawn with either sign
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """
         Return the points from which a search for the parameters starts.
 
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the recording.
-
-        Returns
-        -------
-        starts : list of tuple of float
-            Values of all parameters; several where the cost has several local minima.
-
+        Returns starts: values of all parameters; several where the cost has several local minima
         """
         raise NotImplementedError
 
@@ -60,16 +41,7 @@ class DrawnEffect(ABC):
         """
         Return the largest plausible magnitude of the first parameter.
 
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the world that the effect acts in.
-
-        Returns
-        -------
-        largest : float
-            In the unit of the parameter.
-
+        scales: orders of magnitude in the world that the effect acts in
         """
         neutral = cls.neutral.get(fields(cls.Parameters)[0].name, 0.0)
         return neutral + _LARGEST_OVER_START * (cls.starts(scales)[0][0] - neutral)
@@ -82,18 +54,9 @@ class DrawnEffect(ABC):
         By default the first parameter is proportional to the magnitude and the others keep the
         values of the first start.
 
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the world that the effect acts in.
-        rng : numpy.random.Generator
-            Random number generator.
-
-        Returns
-        -------
-        strength : callable
-            From a magnitude, 0 (absent) to 1 (largest plausible), to parameters by name.
-
+        scales: orders of magnitude in the world that the effect acts in
+        Returns strength: from a magnitude, 0 (absent) to 1 (largest plausible), to parameters by
+        name
         """
         names = [field.name for field in fields(cls.Parameters)]
         rest = dict(zip(names[1:], cls.starts(scales)[0][1:]))
@@ -106,19 +69,8 @@ class DrawnEffect(ABC):
         """
         Return B_e of the spring-damper that a model without the effect would contain.
 
-        Parameters
-        ----------
-        values : mapping
-            Parameters of the effect by name.
-        damping : float
-            B_e of the wall beside the effect [N s/m].
-        depth : float
-            Largest penetration [m].
-
-        Returns
-        -------
-        damping : float
-            B_e [N s/m].
-
+        damping: B_e of the wall beside the effect [N s/m]
+        depth: largest penetration [m]
+        Returns damping: B_e [N s/m]
         """
         return damping

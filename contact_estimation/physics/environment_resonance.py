@@ -41,7 +41,6 @@ class EnvironmentResonance(ContactEffect):
 
     Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
     so that a wall at rest has none at any depth.
-
     """
 
     name = 'environment_resonance'

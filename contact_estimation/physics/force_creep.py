@@ -38,7 +38,6 @@ class ForceCreep(ForceSensorEffect):
 
     Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997: creep of load
     cells. One whose force decays is `ForceDecay`.
-
     """
 
     name = 'force_creep'

@@ -35,7 +35,6 @@ class ForceGain(ForceSensorEffect):
     K_e and B_e make up for it in the force; the motion of a robot, which feels the true force,
     tells it. It is the same as an impedance of which M_t, B_t and K_t are all 1 / gain of the
     target.
-
     """
 
     name = 'force_gain'

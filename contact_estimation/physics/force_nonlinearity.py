@@ -31,7 +31,6 @@ class ForceNonlinearity(ForceSensorEffect):
 
     An elastic law of the wall does the same to the force; the motion of a robot, which feels the
     true force, tells it. Fraden, Handbook of Modern Sensors, 2016, section 3.5.
-
     """
 
     name = 'force_nonlinearity'

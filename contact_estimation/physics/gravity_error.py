@@ -28,7 +28,6 @@ class GravityError(RobotEffect):
     What is left of gravity where the control compensates for another mass, such as that of a
     payload it does not know (Siciliano, Sciavicco, Villani and Oriolo, Robotics, 2009, section
     8.5). At rest the robot is off by F_g / K_t.
-
     """
 
     name = 'gravity_error'

@@ -30,7 +30,6 @@ class HuntCrossleyDamping(ContactEffect):
     chi d v in place of B_e v; chi d^n v together with power_law_stiffness.
 
     Hunt and Crossley (1975).
-
     """
 
     name = 'hunt_crossley_damping'

@@ -32,7 +32,6 @@ class ImpactDamping(ContactEffect):
 
     An impact then loses the same share of its energy at any speed: chi = 3 (1 - e^2) / 4 K_e for
     a coefficient of restitution e. Lankarani and Nikravesh, J. Mechanical Design 112(3), 1990.
-
     """
 
     name = 'impact_damping'

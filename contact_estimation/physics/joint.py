@@ -10,23 +10,11 @@ from typing import Any, NamedTuple
 
 
 class Joint(NamedTuple):
-    """
-    Elastic joint.
+    """Elastic joint."""
 
-    Attributes
-    ----------
-    compliance : float
-        C [m/N], > 0.
-    mass : float
-        Of the link, m [kg].
-    damping_ratio : float
-        Of the link on the joint.
-
-    """
-
-    compliance: float
-    mass: float
-    damping_ratio: float
+    compliance: float  # c [m/N], > 0
+    mass: float  # of the link, m [kg]
+    damping_ratio: float  # of the link on the joint
 
     @property
     def stiffness(self) -> float:
@@ -42,15 +30,7 @@ class Joint(NamedTuple):
         """
         Return the force with which the motor pushes the link.
 
-        Parameters
-        ----------
-        bent, rate : float or ndarray, shape (N,)
-            Position of the motor less that of the link [m], and its rate [m/s].
-
-        Returns
-        -------
-        force : float or ndarray, shape (N,)
-            f [N].
-
+        bent, rate (N,): position of the motor less that of the link [m], and its rate [m/s]
+        Returns force (N,): f [N]
         """
         return self.stiffness * bent + self.damping * rate

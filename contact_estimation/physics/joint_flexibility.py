@@ -38,7 +38,6 @@ class JointFlexibility(RobotEffect):
 
     The measured position is x, of the motor; m = link_share M_t, c = 2 zeta sqrt(m / C).
     Spong, J. Dynamic Systems, Measurement, and Control 109(4), 1987.
-
     """
 
     name = 'joint_flexibility'

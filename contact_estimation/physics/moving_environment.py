@@ -81,18 +81,7 @@ def oscillation(tone: Tone, scales: Scales) -> tuple[float, float, float]:
     """
     Return the motion of a surface that a tone of the contact residual suggests.
 
-    Parameters
-    ----------
-    tone : (float, complex)
-        Frequency [Hz] and amplitude [N].
-    scales : Scales
-        With the stiffness of the wall.
-
-    Returns
-    -------
-    amplitude, frequency, phase : float
-        In m, Hz, rad.
-
+    tone: frequency [Hz] and amplitude [N]
     """
     frequency, peak = tone
     return abs(peak) / scales.spring, frequency, float(np.angle(1j * peak))

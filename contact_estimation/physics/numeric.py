@@ -25,15 +25,7 @@ SIGN_VELOCITY = 4e-4
 
 
 def positive(x: Number, m: Any) -> Number:
-    """
-    Return max(x, 0).
-
-    Returns
-    -------
-    y : float or ndarray
-        Same shape and unit as `x`.
-
-    """
+    """Return max(x, 0)."""
     return max(x, 0.0) if m is math else m.maximum(x, 0.0)
 
 
@@ -41,11 +33,7 @@ def stretches(flag: Flags) -> Iterator[tuple[int, int]]:
     """
     Split a flag into runs of equal values.
 
-    Parameters
-    ----------
-    flag : ndarray of bool, shape (N,)
-        For example whether there is contact.
-
+    flag (N,): for example whether there is contact
     """
     edges = [0, *(np.flatnonzero(np.diff(flag)) + 1).tolist(), len(flag)]
     yield from zip(edges[:-1], edges[1:])

@@ -31,7 +31,6 @@ class PolynomialStiffness(ContactEffect):
 
     The shortest series with a plateau: foam buckles (K_2 < 0), then its cells touch (K_3 > 0), see
     Gibson and Ashby, Cellular Solids, 1997.
-
     """
 
     name = 'polynomial_stiffness'

@@ -32,7 +32,6 @@ class PowerLawDamping(ContactEffect):
 
     m = 1/4: Tsuji, Tanaka and Ishida (1992); 1/2: Kuwabara and Kono (1987); 1: Hunt and Crossley
     (1975), which has a name of its own.
-
     """
 
     name = 'power_law_damping'

@@ -54,7 +54,6 @@ class PreslidingFriction(ContactEffect):
     The sign is sharp, because z does not jump. Over a stretch u of one direction s
     z = F_c s + (z_0 - F_c s) exp(-sigma u / F_c), however fast: the integrated state is the
     displacement since the last step, with which `settle` advances z exactly.
-
     """
 
     name = 'presliding_friction'

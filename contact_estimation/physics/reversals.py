@@ -15,59 +15,31 @@ from .numeric import Array
 
 
 class Path(NamedTuple):
-    """
-    A deflection, split into legs between its reversals.
+    """A deflection, split into legs between its reversals."""
 
-    Attributes
-    ----------
-    ways : ndarray, shape (L,)
-        Signed length of each leg [m].
-    leg : ndarray of int, shape (N,)
-        Leg of each sample.
-    gone : ndarray, shape (N,)
-        Distance from the beginning of that leg [m].
-
-    """
-
-    ways: Array
-    leg: NDArray[np.int_]
-    gone: Array
+    ways: Array  # (L,) signed length of each leg [m]
+    leg: NDArray[np.int_]  # (N,) leg of each sample
+    gone: Array  # (N,) distance from the beginning of that leg [m]
 
 
 class Motion(NamedTuple):
-    """
-    One stretch of contact; hashable, so that what follows from it can be cached.
+    """One stretch of contact; hashable, so that what follows from it can be cached."""
 
-    Attributes
-    ----------
-    depths, rates : bytes
-        Penetration [m] and its rate [m/s] at the samples.
-    before : float
-        Penetration at the sample before, or of the touch-down since then [m].
-    h : float
-        Sample period [s].
-
-    """
-
+    # depths, rates: penetration [m] and its rate [m/s] at the samples
     depths: bytes
     rates: bytes
-    before: float
-    h: float
+    before: float  # penetration at the sample before, or of the touch-down since then [m]
+    h: float  # sample period [s]
 
 
 def motion_of(d: Array, v: Array, h: float, touches_down: bool) -> Motion:
     """
     Return one stretch of contact.
 
-    Parameters
-    ----------
-    d, v : ndarray, shape (N,)
-        Penetration [m] and its rate [m/s].
-    h : float
-        Sample period [s].
-    touches_down : bool
-        Whether the tool came from free flight between the sample before and the first one.
-
+    d, v (N,): penetration [m] and its rate [m/s]
+    h: sample period [s]
+    touches_down: whether the tool came from free flight between the sample before and the first
+    one
     """
     first = float(d[0])
     before = max(0.0, first - abs(float(v[0])) * h) if touches_down else first

@@ -27,7 +27,6 @@ class RobotDrag(RobotEffect):
 
     Fluid drag, or churning of grease and oil in its gears (Batchelor, An Introduction to Fluid
     Dynamics, 1967).
-
     """
 
     name = 'robot_drag'

@@ -19,44 +19,27 @@ Tone = tuple[float, complex]
 
 
 class Scales(NamedTuple):
-    """
-    Orders of magnitude in a recording.
+    """Orders of magnitude in a recording."""
 
-    Attributes
-    ----------
-    depth, speed, force, control : float
-        Largest penetration [m], penetration rate [m/s], contact force [N] and control force [N].
-    greatest_pull : float
-        Largest positive F_e [N].
-    duration : float
-        Length of the recording [s].
-    stiffness, damping, mass : float
-        K_e [N/m] and B_e [N s/m] fitted without effects, M_t [kg].
-    spectrum : tuple of (float, complex)
-        Frequency [Hz] and complex amplitude [N] of the largest peaks in the spectrum of the
-        contact residual.
-    sample_period : float
-        Shortest time between samples [s]; 0 where unknown.
-    beat : tuple of (float, complex)
-        The two tones that together explain most of that residual; empty where unknown.
-    driven : bool
-        Whether a measured force moves the wall, without a robot.
-
-    """
-
+    # depth, speed, force, control: largest penetration [m], penetration rate [m/s], contact force
+    # [N] and control force [N]
     depth: float
     speed: float
     force: float
     control: float
-    greatest_pull: float
-    duration: float
+    greatest_pull: float  # largest positive F_e [N]
+    duration: float  # length of the recording [s]
+    # stiffness, damping, mass: K_e [N/m] and B_e [N s/m] fitted without effects, M_t [kg]
     stiffness: float
     damping: float
     mass: float
+    # frequency [Hz] and complex amplitude [N] of the largest peaks in the spectrum of the contact
+    # residual
     spectrum: tuple[Tone, ...] = ()
-    sample_period: float = 0.0
+    sample_period: float = 0.0  # shortest time between samples [s]; 0 where unknown
+    # the two tones that together explain most of that residual; empty where unknown
     beat: tuple[Tone, ...] = ()
-    driven: bool = False
+    driven: bool = False  # whether a measured force moves the wall, without a robot
 
     @property
     def pace(self) -> float:
@@ -86,11 +69,7 @@ class Scales(NamedTuple):
         """
         Return time constants from that of a sample to that of the recording.
 
-        Returns
-        -------
-        time_constants : list of float
-            3 to 9 of them [s], about 1.5 a decade, increasing.
-
+        Returns time_constants: 3 to 9 of them [s], about 1.5 a decade, increasing
         """
         least = max(2.0 * self.sample_period, 1e-5 * self.duration)
         return _spread(min(least, 0.1 * self.duration), self.duration, 1.5)
@@ -101,11 +80,7 @@ class Scales(NamedTuple):
 
         Sensors and buses are no slower, however slow the motion; a start may be three samples.
 
-        Returns
-        -------
-        delays : list of float
-            3 to 9 of them [s], about 2.5 a decade, increasing.
-
+        Returns delays: 3 to 9 of them [s], about 2.5 a decade, increasing
         """
         most = max(min(0.2 * self.pace, _SLOWEST_S), 3.0 * self.sample_period)
         return _spread(max(0.5 * self.sample_period, 1e-3 * most), most, 2.5)

@@ -14,24 +14,13 @@ from .numeric import Array
 
 
 class SecondOrder(NamedTuple):
-    """
-    M x'' + B x' + K x = f, exactly discretised for f straight between samples.
+    """M x'' + B x' + K x = f, exactly discretised for f straight between samples."""
 
-    Attributes
-    ----------
-    denominator : ndarray, shape (3,)
-        Of the position's transfer function.
-    position, velocity : ndarray, shape (3,)
-        Numerators.
-    transition : ndarray, shape (2, 2)
-        Of position and velocity over a sample period without a force.
-
-    """
-
-    denominator: Array
+    denominator: Array  # (3,) of the position's transfer function
+    # position, velocity (3,): numerators
     position: Array
     velocity: Array
-    transition: Array
+    transition: Array  # (2, 2) of position and velocity over a sample period without a force
 
 
 @lru_cache(maxsize=64)
@@ -39,13 +28,8 @@ def discretise(mass: float, damping: float, stiffness: float, h: float) -> Secon
     """
     Discretise with a first-order hold.
 
-    Parameters
-    ----------
-    mass, damping, stiffness : float
-        M [kg], B [N s/m], K [N/m].
-    h : float
-        Sample period [s].
-
+    mass, damping, stiffness: m [kg], B [N s/m], K [N/m]
+    h: sample period [s]
     """
     from scipy.linalg import expm  # slow to import, and no node needs it
 

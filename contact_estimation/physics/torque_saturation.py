@@ -30,7 +30,6 @@ class TorqueSaturation(RobotEffect):
 
     Iron saturates, and torque falls behind current (Hughes and Drury, Electric Motors and Drives,
     2019). A limit of the controller clips instead, see `ActuatorSaturation`.
-
     """
 
     name = 'torque_saturation'

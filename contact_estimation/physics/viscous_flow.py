@@ -32,7 +32,6 @@ class ViscousFlow(ContactEffect):
 
     It is the steady creep of a Maxwell or Burgers body (W. N. Findley et al., Creep and Relaxation
     of Nonlinear Viscoelastic Materials, 1976, ch. 5); the viscosity of the dashpot is K_e / rate.
-
     """
 
     name = 'viscous_flow'

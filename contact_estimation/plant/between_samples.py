@@ -28,16 +28,8 @@ def straight(force: Array) -> Array:
     """
     Return the samples of a linearly interpolated force: the force itself.
 
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        Measured force.
-
-    Returns
-    -------
-    samples : ndarray, shape (N,)
-        Samples in the same unit.
-
+    force (N,): measured force
+    Returns samples (N,): samples in the same unit
     """
     return force
 

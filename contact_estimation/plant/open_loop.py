@@ -29,19 +29,9 @@ def run_open_loop(
     """
     Simulate the plant on a given reference.
 
-    Parameters
-    ----------
-    plant : PlantParameters
-        The world.
-    reference : callable
-        From time [s] to the reference.
-    start : float
-        Initial position of the robot, at rest [m].
-    duration : float
-        Simulated time [s].
-    further : sequence of Effect
-        As in `World`.
-
+    reference: from time [s] to the reference
+    start: initial position of the robot, at rest [m]
+    duration: simulated time [s]
     """
     period = 1.0 / plant.sample_rate
     world, sensors = World(plant, start, further=further), Sensors(plant)
@@ -63,20 +53,12 @@ def simulate_on(
     """
     Simulate on a sampled reference, interpolated linearly.
 
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per sample
-        suffices unless dry friction acts on a light robot.
-    t : ndarray, shape (N,)
-        Times of the samples [s], increasing.
-    reference_rows : ndarray, shape (4, N)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
-    x0, v0 : float
-        Position [m] and velocity [m/s] of the robot at t[0].
-    begin : float
-        The world's time at t[0] [s], on which some effects depend.
-
+    parameters: parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per
+    sample suffices unless dry friction acts on a light robot.
+    t (N,): times of the samples [s], increasing
+    reference_rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
+    x0, v0: position [m] and velocity [m/s] of the robot at t[0]
+    begin: the world's time at t[0] [s], on which some effects depend
     """
     since = t - t[0] + begin
     return simulate_at(
@@ -90,15 +72,8 @@ def simulate_at(
     """
     Simulate, and return the true states at given times.
 
-    Parameters
-    ----------
-    parameters, x0, v0, begin
-        As in `simulate_on`.
-    t : ndarray, shape (N,)
-        Output times [s], >= begin, increasing.
-    reference : callable
-        From time [s] to the reference.
-
+    t (N,): output times [s], >= begin, increasing
+    reference: from time [s] to the reference
     """
     world, truths = World(parameters, x0, v0, begin=begin), []
     for now in t.tolist():

@@ -20,25 +20,10 @@ def reference_through(t: Array, rows: Array, held: bool = False) -> ReferenceAt:
     """
     Continue a reference between its samples; before the first and after the last it rests.
 
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        Times of the samples [s], strictly increasing; N >= 1.
-    rows : ndarray, shape (4, N)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
-    held : bool
-        Whether each sample holds until the next; else straight lines connect them.
-
-    Returns
-    -------
-    reference_at : callable
-        From time [s] to the reference.
-
-    Raises
-    ------
-    SignalShapeError
-        If the shapes do not match or the times do not increase.
-
+    t (N,): times of the samples [s], strictly increasing; N >= 1
+    rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]
+    held: whether each sample holds until the next; else straight lines connect them
+    Returns reference_at: from time [s] to the reference
     """
     if np.ndim(t) != 1 or len(t) < 1 or np.shape(rows) != (4, len(t)):
         raise SignalShapeError(

@@ -26,25 +26,12 @@ Stamps = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Simulation:
-    """
-    Measurements of a simulated world, and the reference of its robot.
+    """Measurements of a simulated world, and the reference of its robot."""
 
-    Attributes
-    ----------
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the samples [ns].
-    measured : ndarray, shape (3, N)
-        F_e [N], x [m] and its rate [m/s], NaN where not published.
-    reference_ns : ndarray of int64, shape (M,)
-        Stamps of the reference [ns].
-    reference : ndarray, shape (4, M)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; M = 0 without a robot.
-
-    """
-
-    stamp_ns: Stamps
-    measured: Array
-    reference_ns: Stamps
+    stamp_ns: Stamps  # (N,) stamps of the samples [ns]
+    measured: Array  # (3, N) F_e [N], x [m] and its rate [m/s], NaN where not published
+    reference_ns: Stamps  # (M,) stamps of the reference [ns]
+    # (4, M) x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; M = 0 without a robot
     reference: Array
 
 
@@ -55,19 +42,9 @@ def simulate_command(
     """
     Simulate a model on a recorded reference.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Parameters of the world.
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the measurements [ns], increasing.
-    reference_ns, reference
-        As in `Simulation`.
-    start : tuple of float
-        Position [m] and velocity [m/s] of the robot at the first stamp.
-    held : bool
-        Whether the robot holds each setpoint until the next; else it interpolates linearly.
-
+    stamp_ns (N,): stamps of the measurements [ns], increasing
+    start: position [m] and velocity [m/s] of the robot at the first stamp
+    held: whether the robot holds each setpoint until the next; else it interpolates linearly
     """
     first = stamp_ns[0]
     follow = reference_through((reference_ns - first) * 1e-9, reference, held)
@@ -92,19 +69,10 @@ def simulate_force(
     """
     Simulate an attached wall without a robot on a measured force.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Parameters of the wall.
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the force [ns], increasing.
-    force : ndarray, shape (N,)
-        Measured F_e [N].
-    start : tuple of float
-        Position [m] and velocity [m/s] at the first stamp.
-    between : str
-        Behaviour of the force between its samples, a key of `BETWEEN`.
-
+    stamp_ns (N,): stamps of the force [ns], increasing
+    force (N,): measured F_e [N]
+    start: position [m] and velocity [m/s] at the first stamp
+    between: behaviour of the force between its samples, a key of `BETWEEN`
     """
     t = (stamp_ns - stamp_ns[0]) * 1e-9
     motion = run_driven_wall_with_rates(model, t, BETWEEN[between](force), *start)

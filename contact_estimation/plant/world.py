@@ -26,29 +26,17 @@ _CREDIT_A_STEP = 0.1  # a backlash resting at its end would switch at every step
 
 
 class Truth(NamedTuple):
-    """
-    Noise-free state of the world at one instant.
+    """Noise-free state of the world at one instant."""
 
-    Attributes
-    ----------
-    t : float
-        Time [s].
-    position, velocity, acceleration : float
-        Motion of the end-effector [m], [m/s], [m/s^2]: behind a flexible joint position and
-        velocity are those of the motor, as measured, the acceleration that of the link.
-    force : float
-        F_e [N], negative while pressing.
-    sensed : float
-        F_e after the effects of the force sensor [N].
-
-    """
-
-    t: float
+    t: float  # time [s]
+    # position, velocity, acceleration: motion of the end-effector [m], [m/s], [m/s^2]: behind a
+    # flexible joint position and velocity are those of the motor, as measured, the acceleration
+    # that of the link
     position: float
     velocity: float
     acceleration: float
-    force: float
-    sensed: float
+    force: float  # F_e [N], negative while pressing
+    sensed: float  # F_e after the effects of the force sensor [N]
 
 
 class World:
@@ -60,17 +48,9 @@ class World:
     straddles a switch of equations. Effects of the force sensor are evaluated at every step,
     because a lag is continuous in time.
 
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Parameters of the world.
-    position, velocity : float
-        Initial state of the robot [m], [m/s].
-    further : sequence of Effect
-        Effects in addition to those of the parameters, such as ones outside EFFECTS.
-    begin : float
-        Time of the initial state [s], >= 0.
-
+    position, velocity: initial state of the robot [m], [m/s]
+    further: effects in addition to those of the parameters, such as ones outside EFFECTS
+    begin: time of the initial state [s], >= 0
     """
 
     def __init__(
@@ -120,13 +100,8 @@ class World:
         """
         Integrate the equations of motion.
 
-        Parameters
-        ----------
-        duration : float
-            Time to integrate over [s].
-        reference : callable
-            From time [s] to the reference, the same whenever it is asked for a time again.
-
+        duration: time to integrate over [s]
+        reference: from time [s] to the reference, the same whenever it is asked for a time again
         """
         self._follow(reference)
         steps = max(1, ceil(duration * self._rate - 1e-6))

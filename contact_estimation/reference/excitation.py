@@ -23,16 +23,7 @@ class Excitation(ABC):
         """
         Return the value of the signal.
 
-        Parameters
-        ----------
-        t : float
-            Time of the experiment [s].
-
-        Returns
-        -------
-        value : float
-            In the unit of the amplitude.
-
+        t: time of the experiment [s]
         """
 
     @abstractmethod
@@ -40,16 +31,8 @@ class Excitation(ABC):
         """
         Return the derivatives of the signal; steps count as 0.
 
-        Parameters
-        ----------
-        t : float
-            Time of the experiment [s].
-
-        Returns
-        -------
-        first, second : float
-            Derivatives, per second and per second squared.
-
+        t: time of the experiment [s]
+        Returns first, second: derivatives, per second and per second squared
         """
 
 
@@ -57,13 +40,7 @@ class Sine(Excitation):
     """
     Eqs. (40) and (41): amplitude sin(omega t).
 
-    Parameters
-    ----------
-    amplitude : float
-        Peak value.
-    omega : float
-        Angular frequency [rad/s].
-
+    omega: angular frequency [rad/s]
     """
 
     def __init__(self, amplitude: float, omega: float) -> None:
@@ -83,13 +60,7 @@ class Multisine(Excitation):
     """
     Sum of sines of equal amplitude with Schroeder phases, which keep the peak low.
 
-    Parameters
-    ----------
-    amplitude : float
-        Peak value of the sum.
-    omegas : sequence of float
-        Angular frequencies [rad/s].
-
+    omegas: angular frequencies [rad/s]
     """
 
     def __init__(self, amplitude: float, omegas: Sequence[float]) -> None:
@@ -121,13 +92,7 @@ class PseudoRandomBinary(Excitation):
     """
     Pseudo-random binary sequence of the paper: 10 registers, feedback from 7 and 10, 20 Hz.
 
-    Parameters
-    ----------
-    amplitude : float
-        The signal is +amplitude or -amplitude.
-    shift_rate : float
-        Shifts per second [Hz].
-
+    shift_rate: shifts per second [Hz]
     """
 
     def __init__(self, amplitude: float, shift_rate: float = 20.0) -> None:
@@ -152,11 +117,7 @@ def register_sequence() -> tuple[int, ...]:
     """
     Return one period, 2^10 - 1 shifts, of the shift register started with all ones.
 
-    Returns
-    -------
-    bits : tuple of int, length 1023
-        Output of register 10.
-
+    Returns bits: output of register 10
     """
     register = [1] * 10
     bits = []

@@ -19,25 +19,13 @@ START = -0.10
 
 @dataclass(frozen=True)
 class Segment:
-    """
-    Quintic motion to a position, with superposed excitation.
+    """Quintic motion to a position, with superposed excitation."""
 
-    Attributes
-    ----------
-    duration : float
-        Duration [s], > 0.
-    position : float
-        Final position [m]; equal to the previous one for a hold.
-    force : float
-        F_d [N], positive while pressing; NaN: no force prescribed.
-    force_excitation, position_excitation : Excitation or None
-        Added to F_d [N] and x_d [m]; functions of the time since the start of the experiment.
-
-    """
-
-    duration: float
-    position: float
-    force: float = nan
+    duration: float  # duration [s], > 0
+    position: float  # final position [m]; equal to the previous one for a hold
+    force: float = nan  # F_d [N], positive while pressing; NaN: no force prescribed
+    # force_excitation, position_excitation: added to F_d [N] and x_d [m]; functions of the time
+    # since the start of the experiment
     force_excitation: Excitation | None = None
     position_excitation: Excitation | None = None
 
@@ -46,15 +34,7 @@ class Experiment:
     """
     A sequence of segments.
 
-    Parameters
-    ----------
-    name : str
-        Name for reports.
-    start : float
-        Position before the first segment [m].
-    segments : sequence of Segment
-        In order.
-
+    start: position before the first segment [m]
     """
 
     def __init__(self, name: str, start: float, segments: tuple[Segment, ...]) -> None:
@@ -82,12 +62,8 @@ class Experiment:
         """
         Return the setpoint at a given time.
 
-        Parameters
-        ----------
-        t : float
-            Time since the start [s]; before and after the experiment the setpoint rests, unless it
-            is a cycle.
-
+        t: time since the start [s]; before and after the experiment the setpoint rests, unless it
+        is a cycle
         """
         if self._repeats and t >= 0.0:
             t %= self.duration
@@ -111,11 +87,7 @@ class Experiment:
         """
         Return the longest interval in which a force is prescribed and x_d rests.
 
-        Returns
-        -------
-        interval : tuple of float or None
-            Begin and end [s]; None if there is no such interval.
-
+        Returns interval: begin and end [s]; None if there is no such interval
         """
         rests = [
             (begin, begin + segment.duration)

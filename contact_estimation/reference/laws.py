@@ -21,18 +21,9 @@ def eq20_compliance(K_hat: float, K_t: float) -> float:
     """
     Eq. (20): x_r = x_e + F_r / K_hat.
 
-    Parameters
-    ----------
-    K_hat : float
-        Estimated stiffness of the environment [N/m], > 0.
-    K_t : float
-        Target stiffness of the robot [N/m]; not used.
-
-    Returns
-    -------
-    compliance : float
-        (x_r - x_e) / F_r [m/N].
-
+    K_hat: estimated stiffness of the environment [N/m], > 0
+    K_t: target stiffness of the robot [N/m]; not used
+    Returns compliance: (x_r - x_e) / F_r [m/N]
     """
     return 1.0 / K_hat
 
@@ -41,16 +32,8 @@ def series_compliance(K_hat: float, K_t: float) -> float:
     """
     Springs in series: x_r = x_e + F_r (1 / K_hat + 1 / K_t).
 
-    Parameters
-    ----------
-    K_hat, K_t : float
-        Stiffness of environment and robot [N/m], > 0.
-
-    Returns
-    -------
-    compliance : float
-        (x_r - x_e) / F_r [m/N].
-
+    K_hat, K_t: stiffness of environment and robot [N/m], > 0
+    Returns compliance: (x_r - x_e) / F_r [m/N]
     """
     return 1.0 / K_hat + 1.0 / K_t
 

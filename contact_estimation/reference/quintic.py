@@ -10,20 +10,10 @@ def quintic(start: float, end: float, duration: float, t: float) -> tuple[float,
     """
     Evaluate the fifth-order polynomial from rest to rest.
 
-    Parameters
-    ----------
-    start, end : float
-        Positions [m].
-    duration : float
-        Duration of the motion [s], > 0.
-    t : float
-        Time since the start [s]; clipped to [0, duration].
-
-    Returns
-    -------
-    position, velocity, acceleration : float
-        In [m], [m/s], [m/s^2].
-
+    start, end: positions [m]
+    duration: duration of the motion [s], > 0
+    t: time since the start [s]; clipped to [0, duration]
+    Returns position, velocity, acceleration: in [m], [m/s], [m/s^2]
     """
     s = min(max(t / duration, 0.0), 1.0)
     span = end - start

@@ -22,20 +22,8 @@ class ReferenceGenerator:
     Whenever that changes, the offset between old and new reference fades out smoothly. Position
     and rates always stay within the limits of `limited`.
 
-    Parameters
-    ----------
-    law : str
-        Key of LAWS.
-    parameters : ReferenceParameters
-        Limits.
-    period_s : float
-        Nominal time between references [s].
-
-    Attributes
-    ----------
-    limited : bool
-        Whether a limit keeps the last reference away from what it should be.
-
+    period_s: nominal time between references [s]
+    limited: whether a limit keeps the last reference away from what it should be
     """
 
     def __init__(
@@ -58,11 +46,7 @@ class ReferenceGenerator:
         """
         Start at the position of the robot, from which x_r then moves within its limits.
 
-        Parameters
-        ----------
-        position : float
-            Measured x [m]; finite.
-
+        position: measured x [m]; finite
         """
         self._last, self._resting = Reference(position, 0.0, 0.0), None
 
@@ -82,23 +66,11 @@ class ReferenceGenerator:
         """
         Compute the reference of one instant.
 
-        Parameters
-        ----------
-        t : float
-            Time at which the robot follows it [s].
-        dt : float
-            Time since the last call [s].
-        desired : Desired
-            Setpoint at that time.
-        contact : bool
-            Whether there is contact.
-        x_e : float
-            Location of the wall [m].
-        K_hat : float
-            Estimated stiffness [N/m].
-        deepest : float
-            Largest x_r [m]; NaN: no limit.
-
+        t: time at which the robot follows it [s]
+        dt: time since the last call [s]
+        x_e: location of the wall [m]
+        K_hat: estimated stiffness [N/m]
+        deepest: largest x_r [m]; NaN: no limit
         """
         position, velocity, acceleration, force = desired
         last = self._last
@@ -179,21 +151,11 @@ def limited(
     `deepest`; from beyond it, x_r retreats at that speed. The same holds along the parabola that
     the robot follows until the next reference.
 
-    Parameters
-    ----------
-    last : Reference
-        Published before; finite.
-    target : Reference
-        Wanted; where its position is not finite, x_r stays.
-    dt : float
-        Time since the last reference [s]; x_r stays where this is not > 0.
-    period : float
-        Time for which the robot follows the new one [s].
-    speed : float
-        Largest |dx_r/dt| [m/s].
-    deepest : float
-        Largest x_r [m]; NaN: no limit.
-
+    target: wanted; where its position is not finite, x_r stays
+    dt: time since the last reference [s]; x_r stays where this is not > 0
+    period: time for which the robot follows the new one [s]
+    speed: largest |dx_r/dt| [m/s]
+    deepest: largest x_r [m]; NaN: no limit
     """
     position, velocity, acceleration, force = target
     before = last[0]

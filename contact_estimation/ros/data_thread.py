@@ -92,11 +92,7 @@ class RawSubscriptions:
         """
         Wait for messages and pass them to their callbacks.
 
-        Parameters
-        ----------
-        timeout_ns : int
-            Longest time to wait [ns].
-
+        timeout_ns: longest time to wait [ns]
         """
         waking = self._waking
         if self._wait_set is None or self._capacity < len(waking):

@@ -44,11 +44,7 @@ class EstimatePublishers:
     """
     All outputs of the estimator node.
 
-    Attributes
-    ----------
-    compensated : CompensatedWrench or None
-        What makes `~/compensated_wrench`, which is not published without.
-
+    compensated: what makes `~/compensated_wrench`, which is not published without
     """
 
     def __init__(self, node: Node, joint: str) -> None:

@@ -28,26 +28,11 @@ class EstimatorDiagnostics:
     """
     Collect statistics at every sample and report them as a diagnostic status.
 
-    Parameters
-    ----------
-    name : str
-        Of the node, with its namespace.
-    silence_s : float
-        Time without a wrench after which the status is ERROR [s].
-    hardware_id : str
-        Of the sensor or robot.
-    now_ns : callable
-        The node's clock, by which latencies are measured [ns].
-    description_topic : str
-        On which the description of an arm is awaited.
-    graph : callable, optional
-        From the session to what the graph of ROS warns of, texts by name.
-
-    Attributes
-    ----------
-    headline : tuple of (str, str)
-        Name and text of the main warning of the last report; '' without one.
-
+    silence_s: time without a wrench after which the status is ERROR [s]
+    now_ns: the node's clock, by which latencies are measured [ns]
+    description_topic: on which the description of an arm is awaited
+    graph: from the session to what the graph of ROS warns of, texts by name
+    headline: name and text of the main warning of the last report; '' without one
     """
 
     def __init__(
@@ -77,11 +62,7 @@ class EstimatorDiagnostics:
         """
         Note that the outputs for a sample have been published.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Of the sample [ns].
-
+        stamp_ns: of the sample [ns]
         """
         self.processed += 1
         self._latencies_ns.append(self._now_ns() - stamp_ns)

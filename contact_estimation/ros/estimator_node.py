@@ -54,7 +54,6 @@ class EstimatorNode(Node):
 
     Samples are processed on the data thread; parameters, services and diagnostics on that of the
     executor. Under the lock every event falls between two samples.
-
     """
 
     finished = False

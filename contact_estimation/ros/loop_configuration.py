@@ -38,29 +38,13 @@ _OF_PLANT = _names(PlantParameters, PlantNodeParameters)
 
 
 class LoopConfiguration(NamedTuple):
-    """
-    Everything that a run of the loop depends on.
+    """Everything that a run of the loop depends on."""
 
-    Attributes
-    ----------
-    experiment : Experiment
-        What the plant's planner plays.
-    duration : float
-        Length of the run [s].
-    estimation : EstimationParameters
-        As the estimator node will read them.
-    plant : PlantParameters
-        As the plant node will read them.
-    sections : mapping
-        Parameters of each node by full name.
-
-    """
-
-    experiment: Experiment
-    duration: float
-    estimation: EstimationParameters
-    plant: PlantParameters
-    sections: Mapping[str, Mapping[str, Any]]
+    experiment: Experiment  # what the plant's planner plays
+    duration: float  # length of the run [s]
+    estimation: EstimationParameters  # as the estimator node will read them
+    plant: PlantParameters  # as the plant node will read them
+    sections: Mapping[str, Mapping[str, Any]]  # parameters of each node by full name
 
     @property
     def law(self) -> str:
@@ -77,23 +61,8 @@ def configure(
     """
     Combine a parameter file with options and check the result.
 
-    Parameters
-    ----------
-    experiment : str
-        Name or YAML file.
-    parameter_file : str, optional
-        With sections estimator_node and plant_node.
-    estimator : str, optional
-        Overrides the file's.
-    duration : float, optional
-        Length of the run [s]; one experiment by default.
-    seed : int, optional
-        Of all noise; overrides the file's.
-    reference_law : str, optional
-        Overrides the file's.
-    lockstep : bool
-        The plant waits for the answer to each sample; otherwise as the file says.
-
+    duration: length of the run [s]; one experiment by default
+    lockstep: the plant waits for the answer to each sample; otherwise as the file says
     """
     played = experiment_named(experiment)
     seconds = _duration(duration, played)

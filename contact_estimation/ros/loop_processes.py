@@ -26,7 +26,6 @@ class LoopProcesses:
 
     Each process has its own session, so that Ctrl-C reaches only the loop, which then stops them
     in order: the recorder last, when no more messages arrive.
-
     """
 
     def __init__(self, parameters: Path) -> None:
@@ -46,13 +45,7 @@ class LoopProcesses:
         """
         Wait until the plant has finished, then stop the others.
 
-        Parameters
-        ----------
-        duration : float
-            Expected length of the run [s].
-        report_progress : callable
-            Called with the fraction done.
-
+        duration: expected length of the run [s]
         """
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
@@ -86,13 +79,7 @@ def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
     """
     Interrupt a process and wait for its end; kill it after a time-out.
 
-    Parameters
-    ----------
-    process : subprocess.Popen
-        Running or ended.
-    timeout_s : float
-        Time from the interrupt to the kill [s].
-
+    timeout_s: time from the interrupt to the kill [s]
     """
     if process.poll() is None:
         process.send_signal(signal.SIGINT)

@@ -33,33 +33,19 @@ _SIGNALS = ('position', 'desired', 'desired_force', 'reference', 'model_fit', *_
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """
-    A run of the loop.
+    """A run of the loop."""
 
-    Attributes
-    ----------
-    series : dict of str to ndarray, shape (N, 2)
-        Time since the start [s] and value of force, position, desired, desired_force, reference,
-        model_fit and the estimates.
-    plant : dict
-        The plant node's own summary; empty after a crash.
-
-    """
-
+    # (N, 2) time since the start [s] and value of force, position, desired, desired_force,
+    # reference, model_fit and the estimates
     series: dict[str, Series]
+    # the plant node's own summary; empty after a crash
     plant: dict[str, Any] = field(default_factory=dict)
 
     def last_before(self, name: str, t: float) -> float:
         """
         Return the last value of a series up to an instant.
 
-        Parameters
-        ----------
-        name : str
-            Key of `series`.
-        t : float
-            Time since the start [s].
-
+        t: time since the start [s]
         """
         series = self.series[name]
         index = int(np.searchsorted(series[:, 0], t + 1e-6, side='right')) - 1

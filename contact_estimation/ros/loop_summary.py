@@ -52,13 +52,7 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
     """
     Return why a run does not show what the estimator does on an idle machine.
 
-    Parameters
-    ----------
-    measured : mapping
-        Summary of the plant node.
-    sample_rate : float
-        Of the plant [Hz].
-
+    sample_rate: of the plant [Hz]
     """
     reasons = []
     sent, lost = measured.get('samples_sent'), measured.get('samples_lost')

@@ -23,7 +23,6 @@ class MatchedSubscriptions:
     reliable ones too. A reliable one gets nothing from a best-effort publisher. So each topic is
     subscribed to once its publishers are known, reliably if all of them are, and anew when the
     first comes that is not.
-
     """
 
     def __init__(

@@ -98,7 +98,6 @@ def _as_number(parameter: Parameter) -> Parameter:
 
     `ros2 param set NAME 500` sends an integer, and `ros2 param load` sends what `ros2 param dump`
     has written as 1e-06 or nan as text.
-
     """
     value = parameter.value
     if parameter.type_ == Parameter.Type.INTEGER_ARRAY:  # [0, 0, 1] of a parameter file

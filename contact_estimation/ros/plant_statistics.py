@@ -15,11 +15,7 @@ class PlantStatistics:
     """
     Count samples and references, and measure latency from the time of sending.
 
-    Parameters
-    ----------
-    period_ns : int
-        Sample period [ns]; the reference for sample k has the stamp of sample k + 1.
-
+    period_ns: sample period [ns]; the reference for sample k has the stamp of sample k + 1
     """
 
     def __init__(self, period_ns: int) -> None:
@@ -35,13 +31,7 @@ class PlantStatistics:
         """
         Note that a sample is being sent.
 
-        Parameters
-        ----------
-        k : int
-            Index of the sample.
-        true_force : float
-            F_e before the sensor [N].
-
+        true_force: F_e before the sensor [N]
         """
         self._sent.append(time.perf_counter_ns())
         if true_force < 0.0:
@@ -51,11 +41,7 @@ class PlantStatistics:
         """
         Note the arrival of a reference.
 
-        Parameters
-        ----------
-        reference_stamp_ns : int
-            Instant from which the reference is to be followed [ns].
-
+        reference_stamp_ns: instant from which the reference is to be followed [ns]
         """
         now = time.perf_counter_ns()
         k = round((reference_stamp_ns - self.begin_ns) / self._period_ns) - 1

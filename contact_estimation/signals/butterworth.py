@@ -21,15 +21,8 @@ class ButterworthBank:
     A relation y = phi^T theta that holds at every instant also holds between its filtered sides,
     whatever the spacing of the samples, as long as one and the same filter acts on all columns.
 
-    Parameters
-    ----------
-    channels : int
-        Number of signals.
-    cutoff_frequency : float
-        -3 dB frequency [Hz]; 0: no filter.
-    sample_rate : float
-        Nominal sampling frequency [Hz].
-
+    cutoff_frequency: -3 dB frequency [Hz]; 0: no filter
+    sample_rate: nominal sampling frequency [Hz]
     """
 
     def __init__(self, channels: int, cutoff_frequency: float, sample_rate: float) -> None:
@@ -93,11 +86,7 @@ def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:
     """
     Check that a filter with this cut-off can be computed.
 
-    Parameters
-    ----------
-    cutoff_frequency, sample_rate : float
-        In [Hz].
-
+    cutoff_frequency, sample_rate: in [Hz]
     """
     lowest, highest = LOWEST_CUTOFF * sample_rate, 0.5 * sample_rate
     if cutoff_frequency != 0.0 and not lowest <= cutoff_frequency < highest:

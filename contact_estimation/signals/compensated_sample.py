@@ -11,39 +11,19 @@ from .contact_sample import ContactSample
 
 
 class CompensatedSample(NamedTuple):
-    """
-    The terms of the relation that is left of a sample after known physics are compensated.
+    """The terms of the relation that is left of a sample after known physics are compensated."""
 
-    Attributes
-    ----------
-    depth : float
-        Penetration of the surface at its known position [m], NaN where that is not known.
-    pressing : float
-        -F_e without what the sensor adds, and a weight [N]: decides contact.
-    rest : float
-        The same less the known force of the environment [N]: what K_e and B_e explain.
-    travel : float
-        Displacement whose rate multiplies B_e [m].
-    velocity : float
-        That rate [m/s], NaN where not measured.
-    stiffness_column, constant_column : float
-        phi_K [m], and its slope over the depth.
-    inertial_force : float
-        Force of M_e that `rest` is less of [N].
-    hindrance : str
-        Why the relation does not hold; '' where it does.
-
-    """
-
+    # penetration of the surface at its known position [m], NaN where that is not known
     depth: float
-    pressing: float
-    rest: float
-    travel: float
-    velocity: float
+    pressing: float  # -F_e without what the sensor adds, and a weight [N]: decides contact
+    rest: float  # the same less the known force of the environment [N]: what K_e and B_e explain
+    travel: float  # displacement whose rate multiplies B_e [m]
+    velocity: float  # that rate [m/s], NaN where not measured
+    # stiffness_column, constant_column: phi_K [m], and its slope over the depth
     stiffness_column: float
     constant_column: float
-    inertial_force: float
-    hindrance: str
+    inertial_force: float  # force of M_e that `rest` is less of [N]
+    hindrance: str  # why the relation does not hold; '' where it does
 
 
 class SampleCompensation(Protocol):
@@ -53,13 +33,6 @@ class SampleCompensation(Protocol):
         """
         Compensate one sample.
 
-        Parameters
-        ----------
-        sample : ContactSample
-            Stamped after the last one.
-        location : float
-            x_e nominal [m]; NaN: not known yet.
-        pressing : float
-            -F_e less the bias [N].
-
+        location: x_e nominal [m]; NaN: not known yet
+        pressing: -F_e less the bias [N]
         """

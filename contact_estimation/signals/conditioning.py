@@ -43,18 +43,8 @@ class Conditioner:
     """
     Time steps, bias of the force and known physics of one axis.
 
-    Parameters
-    ----------
-    sample_rate : float
-        Nominal [Hz].
-
-    Attributes
-    ----------
-    bias : float
-        Force that is subtracted from the measured F_e [N].
-    compensation : SampleCompensation or None
-        Of the known physics.
-
+    sample_rate: nominal [Hz]
+    bias: force that is subtracted from the measured F_e [N]
     """
 
     def __init__(self, sample_rate: float) -> None:
@@ -78,20 +68,9 @@ class Conditioner:
         """
         Condition the next sample.
 
-        Parameters
-        ----------
-        sample : ContactSample
-            Stamped after the last one.
-        location : float
-            x_e nominal [m]; NaN: not known yet.
-
-        Returns
-        -------
-        dt, pressing : float, float
-            Time since the sample before [s], and -F_e less the bias [N].
-        known : CompensatedSample or None
-            What is left after known physics, None without any.
-
+        location: x_e nominal [m]; NaN: not known yet
+        Returns dt, pressing: time since the sample before [s], and -F_e less the bias [N]
+        Returns known: what is left after known physics, None without any
         """
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
@@ -105,18 +84,9 @@ class Conditioner:
         """
         Condition consecutive samples where no physics is known.
 
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Stamps [ns].
-        x, force : ndarray, shape (N,)
-            Position [m] and F_e [N].
-
-        Returns
-        -------
-        pressing : ndarray, shape (N,)
-            -F_e less the bias [N].
-
+        stamps_ns (N,): stamps [ns]
+        x, force (N,): position [m] and F_e [N]
+        Returns pressing (N,): -F_e less the bias [N]
         """
         self._last_ns, self._position = int(stamps_ns[-1]), float(x[-1])
         return self.bias - force
@@ -141,13 +111,8 @@ class Conditioner:
         """
         Return why no tare is possible now, '' where it is.
 
-        Parameters
-        ----------
-        contact : bool
-            Whether there is one.
-        location, margin : float
-            x_e, NaN where it is not known, and how far from it the surface may be [m].
-
+        location, margin: x_e, NaN where it is not known, and how far from it the surface may be
+        [m]
         """
         if contact:
             return 'in contact; move away from the wall and try again'

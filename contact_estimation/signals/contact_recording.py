@@ -17,31 +17,12 @@ from ..exceptions import SignalShapeError
 
 @dataclass(frozen=True)
 class ContactRecording:
-    """
-    A stretch of contact samples, in the order of their stamps.
+    """A stretch of contact samples, in the order of their stamps."""
 
-    Attributes
-    ----------
-    stamp_ns : ndarray of int64, shape (N,)
-        Header stamps [ns].
-    position : ndarray, shape (N,)
-        x [m].
-    velocity : ndarray, shape (N,)
-        Rate of x [m/s]; NaN where unknown.
-    force : ndarray, shape (N,)
-        Measured F_e [N], negative while pressing.
-
-    Raises
-    ------
-    SignalShapeError
-        If the arrays differ in shape or are not one-dimensional.
-
-    """
-
-    stamp_ns: NDArray[np.int64]
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    force: NDArray[np.float64]
+    stamp_ns: NDArray[np.int64]  # (N,) header stamps [ns]
+    position: NDArray[np.float64]  # (N,) x [m]
+    velocity: NDArray[np.float64]  # (N,) rate of x [m/s]; NaN where unknown
+    force: NDArray[np.float64]  # (N,) measured F_e [N], negative while pressing
 
     def __post_init__(self) -> None:
         """Check that all arrays have one length."""

@@ -13,24 +13,12 @@ class ContactSample(NamedTuple):
     Motion and force at one instant, along one axis.
 
     A NamedTuple: creating a frozen dataclass of this size takes longer than an estimator update.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp of the wrench [ns].
-    position : float
-        x of the end-effector [m], +x into the wall.
-    velocity : float
-        Its rate [m/s]; NaN where not measured.
-    force : float
-        Measured F_e [N], negative while pressing.
-
     """
 
-    stamp_ns: int
-    position: float
-    velocity: float
-    force: float
+    stamp_ns: int  # header stamp of the wrench [ns]
+    position: float  # x of the end-effector [m], +x into the wall
+    velocity: float  # its rate [m/s]; NaN where not measured
+    force: float  # measured F_e [N], negative while pressing
 
 
 AxesSample = tuple[ContactSample, ...]

@@ -27,12 +27,6 @@ class OutlierGate:
     squares, so that it holds for any smooth law and wherever the surface is. The noise is a
     quantile of its errors, on which outliers have no leverage. The way out: after a number of
     outliers in a row on the same side, the line starts afresh from the last of them.
-
-    Attributes
-    ----------
-    count : int
-        Number of forces replaced.
-
     """
 
     def __init__(self, threshold: float, samples: int) -> None:
@@ -62,20 +56,10 @@ class OutlierGate:
         """
         Replace the force of the next sample in contact where it is an outlier.
 
-        Parameters
-        ----------
-        d : float
-            Penetration [m].
-        y : float
-            Pressing force [N].
-        noise_std : float
-            Standard deviation of the force noise, > 0 [N].
-
-        Returns
-        -------
-        replaced : float
-            The line instead of an outlier [N].
-
+        d: penetration [m]
+        y: pressing force [N]
+        noise_std: standard deviation of the force noise, > 0 [N]
+        Returns replaced: the line instead of an outlier [N]
         """
         line = self._line
         if line is None:

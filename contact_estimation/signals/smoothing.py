@@ -23,21 +23,11 @@ def smoothed_rate(
     The same as `scipy.signal.savgol_filter`, which fits the ends afresh at each call and takes ten
     times as long.
 
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        The signal, any unit.
-    period_s : float
-        Time between its samples, > 0 [s].
-    window_s : float
-        Length of the window, at least five samples [s].
-
-    Returns
-    -------
-    rate : ndarray, shape (N,)
-        In the unit of the signal per second; of fewer than five samples by plain differences, of
-        a single one 0.
-
+    values (N,): the signal, any unit
+    period_s: time between its samples, > 0 [s]
+    window_s: length of the window, at least five samples [s]
+    Returns rate (N,): in the unit of the signal per second; of fewer than five samples by plain
+    differences, of a single one 0
     """
     if len(values) < _LEAST:
         return np.gradient(values, period_s) if len(values) > 1 else np.zeros(len(values))

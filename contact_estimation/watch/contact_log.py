@@ -14,22 +14,11 @@ _AS_EXPECTED = ('free', 'estimating')
 
 
 class LogText(NamedTuple):
-    """
-    A text with its level.
+    """A text with its level."""
 
-    Attributes
-    ----------
-    path : str
-        `STATUS` or `CHECKS`.
-    stamp_ns : int
-        When [ns].
-    text, level : str
-        What, and `INFO` or `WARNING`.
-
-    """
-
-    path: str
-    stamp_ns: int
+    path: str  # `STATUS` or `CHECKS`
+    stamp_ns: int  # when [ns]
+    # text, level: what, and `INFO` or `WARNING`
     text: str
     level: str
 
@@ -38,13 +27,7 @@ class ContactLog:
     """
     Values and texts since the last time that they were taken.
 
-    Attributes
-    ----------
-    values : dict of str to (list of int, list of float)
-        Stamps [ns] and values by keys of plot and curve, as in 'force/measured'.
-    texts : list of LogText
-        In order.
-
+    values: stamps [ns] and values by keys of plot and curve, as in 'force/measured'
     """
 
     def __init__(self) -> None:
@@ -56,15 +39,8 @@ class ContactLog:
         """
         Add one value of a curve.
 
-        Parameters
-        ----------
-        path : str
-            Keys of plot and curve.
-        stamp_ns : int
-            When [ns].
-        value : float
-            In the unit of the plot; what is not finite leaves a gap.
-
+        stamp_ns: when [ns]
+        value: in the unit of the plot; what is not finite leaves a gap
         """
         stamps, values = self.values.setdefault(path, ([], []))
         stamps.append(stamp_ns)
@@ -74,15 +50,8 @@ class ContactLog:
         """
         Add an estimate and its band of 2 standard deviations.
 
-        Parameters
-        ----------
-        key : str
-            Of the plot: 'stiffness' or 'damping'.
-        stamp_ns : int
-            When [ns].
-        value, std : float
-            Estimate and standard deviation; NaN while unknown.
-
+        stamp_ns: when [ns]
+        value, std: estimate and standard deviation; NaN while unknown
         """
         self.add(f'{key}/estimate', stamp_ns, value)
         # A band wider than the value says that nothing is known yet, and would flatten the plot.
@@ -94,13 +63,7 @@ class ContactLog:
         """
         Add the state of the estimator where it has changed.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            When [ns].
-        text : str
-            State and reason.
-
+        stamp_ns: when [ns]
         """
         if text != self._status:
             self._status = text
@@ -111,13 +74,8 @@ class ContactLog:
         """
         Add which warnings have begun or ended.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            When [ns].
-        active : mapping of str to str
-            Texts of the active warnings, by what stays the same while their numbers change.
-
+        stamp_ns: when [ns]
+        active: texts of the active warnings, by what stays the same while their numbers change
         """
         for key, text in active.items():
             if key not in self._checks:

@@ -21,19 +21,8 @@ def follow_recording(
     """
     Show what is recorded until the recording is finished.
 
-    Parameters
-    ----------
-    view : ContactView
-        Connected.
-    path : Path
-        MCAP recording, which may not exist yet.
-    estimator : str
-        Name of the estimator node.
-    stopped : Event
-        Set from outside, to stop before.
-    period_s : float
-        Time between looks at the file [s].
-
+    path: MCAP recording, which may not exist yet
+    period_s: time between looks at the file [s]
     """
     live = LiveContact(view.log, estimator)
     callbacks = {topic: callback for topic, _, callback, _ in live.subscriptions()}

@@ -30,24 +30,13 @@ FLOAT, TEXT = 'std_msgs/msg/Float64', 'std_msgs/msg/String'
 
 
 class Subscription(NamedTuple):
-    """
-    A topic that the view needs.
+    """A topic that the view needs."""
 
-    Attributes
-    ----------
-    topic, type_name : str
-        Name, relative to the namespace, and type.
-    callback : callable
-        Takes the raw message.
-    latched : bool
-        Whether the last message is kept for late subscribers.
-
-    """
-
+    # topic, type_name: name, relative to the namespace, and type
     topic: str
     type_name: str
-    callback: Callable[[bytes], None]
-    latched: bool = False
+    callback: Callable[[bytes], None]  # takes the raw message
+    latched: bool = False  # whether the last message is kept for late subscribers
 
 
 class LiveContact:
@@ -55,7 +44,6 @@ class LiveContact:
     What a running estimator and its inputs publish.
 
     Messages that cannot be used are left out: the estimator reports them.
-
     """
 
     def __init__(

@@ -39,13 +39,7 @@ def series_name(topic: str, field: str) -> str:
     """
     Return how PlotJuggler names a field.
 
-    Parameters
-    ----------
-    topic : str
-        Without the leading slash.
-    field : str
-        As in 'points[0].positions[0]'.
-
+    field: as in 'points[0].positions[0]'
     """
     if topic == 'joint_states':
         quantity = re.sub(r'\[\d+\]', '', field)

@@ -14,65 +14,29 @@ BAND = '#8cc8e0'
 
 
 class Curve(NamedTuple):
-    """
-    One curve of a plot.
+    """One curve of a plot."""
 
-    Attributes
-    ----------
-    key : str
-        Name in the view's tree.
-    label : str
-        In the legend.
-    topic : str
-        Where the value comes from, without the leading slash.
-    field : str
-        Of the message, as in 'points[0].positions[0]'.
-    scale : float
-        Factor of the field.
-    colour : str
-        As '#rrggbb'.
-    width : float
-        Of the line, in points.
-    std_topic : str
-        Topic of the standard deviation whose multiple `stds` is added; '' for none.
-    stds : float
-        That multiple.
-
-    """
-
-    key: str
-    label: str
-    topic: str
-    field: str
-    scale: float = 1.0
-    colour: str = MUTED
-    width: float = 1.0
+    key: str  # name in the view's tree
+    label: str  # in the legend
+    topic: str  # where the value comes from, without the leading slash
+    field: str  # of the message, as in 'points[0].positions[0]'
+    scale: float = 1.0  # factor of the field
+    colour: str = MUTED  # as '#rrggbb'
+    width: float = 1.0  # of the line, in points
+    # topic of the standard deviation whose multiple `stds` is added; '' for none
     std_topic: str = ''
-    stds: float = 0.0
+    stds: float = 0.0  # that multiple
 
 
 class Plot(NamedTuple):
-    """
-    Curves with a common axis.
+    """Curves with a common axis."""
 
-    Attributes
-    ----------
-    key : str
-        Name in the view's tree.
-    quantity, unit : str
-        What is plotted.
-    curves : tuple of Curve
-        From the lowest to the uppermost.
-    unscaled_unit : str
-        Unit of the fields without the factors of the curves.
-
-    """
-
-    key: str
+    key: str  # name in the view's tree
+    # quantity, unit: what is plotted
     quantity: str
     unit: str
-    curves: tuple[Curve, ...]
-    unscaled_unit: str = ''
+    curves: tuple[Curve, ...]  # from the lowest to the uppermost
+    unscaled_unit: str = ''  # unit of the fields without the factors of the curves
 
     @property
     def title(self) -> str:

@@ -23,20 +23,10 @@ from ..signals.joint_merging import JointMerger
 
 
 class Reading(NamedTuple):
-    """
-    One value.
+    """One value."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    value : float
-        Force F_e [N] or position [m].
-
-    """
-
-    stamp_ns: int
-    value: float
+    stamp_ns: int  # header stamp [ns]
+    value: float  # force F_e [N] or position [m]
 
 
 class Readings(Protocol):

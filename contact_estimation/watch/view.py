@@ -24,15 +24,7 @@ class ContactView:
 
     `flush` sends what has been logged: a column costs no more than a value.
 
-    Attributes
-    ----------
-    log : ContactLog
-        To be written to.
-    stream : rerun.RecordingStream
-        Where all is sent.
-    serves : bool
-        Whether this process must live on for viewers to get the data.
-
+    serves: whether this process must live on for viewers to get the data
     """
 
     def __init__(self, name: str) -> None:

@@ -37,26 +37,12 @@ def millimetres(metres: float) -> str:
 
 
 class Warned(NamedTuple):
-    """
-    An active warning.
+    """An active warning."""
 
-    Attributes
-    ----------
-    name : str
-        Of the check.
-    axis : str
-        'x', 'y' or 'z'; '' where the warning concerns all.
-    text : str
-        What is wrong and what to do.
-    invalidates : bool
-        Whether estimates are withheld because of it.
-
-    """
-
-    name: str
-    axis: str
-    text: str
-    invalidates: bool
+    name: str  # of the check
+    axis: str  # 'x', 'y' or 'z'; '' where the warning concerns all
+    text: str  # what is wrong and what to do
+    invalidates: bool  # whether estimates are withheld because of it
 
 
 class Forces(NamedTuple):
@@ -76,52 +62,29 @@ class Evidence:
     `location_unchecked`, `surface_text`, `surface_std`, `bias`, `noise_std`, `contact`,
     `posterior.contact.state`, `posterior.known.valid`, `sample_period_s`, `estimator` and
     `model_fit.now.text`, and nothing else.
-
-    Attributes
-    ----------
-    axis : str
-        Its name.
-    parameters : EstimationParameters
-        All parameters.
-    pipeline : EstimationPipeline
-        State of the axis, read only.
-    t, x, v, force : ndarray, shape (N,)
-        Time [s], position [m], rate [m/s] (NaN where not measured) and F_e less the bias [N], that
-        of a tare and that of `physics.force_bias`.
-    contact : ndarray of bool, shape (N,)
-        Whether contact was detected.
-    others : tuple of Forces
-        Components of the wrench that are not estimated.
-    joint_rate : float
-        Rate of the joint states [Hz]; NaN while unknown.
-    travel : float
-        Range of all positions since the start [m].
-    wrench_t : ndarray, shape (M,)
-        Stamps of all wrenches, also of those that became no sample [s]; empty where not known.
-    start_s : float
-        Stamp at t = 0 [s].
-    joints, limits : sequence of float, mapping of int to (str, float, float)
-        Positions of the joints of an arm; by place, name and limits of those that turn [rad].
-    memory : dict
-        What a check has found, until the checks are reset.
-
     """
 
-    axis: str
-    parameters: EstimationParameters
-    pipeline: Any
+    axis: str  # its name
+    parameters: EstimationParameters  # all parameters
+    pipeline: Any  # state of the axis, read only
+    # t, x, v, force (N,): time [s], position [m], rate [m/s] (NaN where not measured) and F_e less
+    # the bias [N], that of a tare and that of `physics.force_bias`
     t: Array
     x: Array
     v: Array
     force: Array
-    contact: NDArray[np.bool_]
-    others: tuple[Forces, ...] = ()
-    joint_rate: float = float('nan')
-    travel: float = 0.0
+    contact: NDArray[np.bool_]  # (N,) whether contact was detected
+    others: tuple[Forces, ...] = ()  # components of the wrench that are not estimated
+    joint_rate: float = float('nan')  # rate of the joint states [Hz]; NaN while unknown
+    travel: float = 0.0  # range of all positions since the start [m]
+    # (M,) stamps of all wrenches, also of those that became no sample [s]; empty where not known
     wrench_t: Array = field(default_factory=lambda: _NOTHING)
-    start_s: float = 0.0
+    start_s: float = 0.0  # stamp at t = 0 [s]
+    # joints, limits: positions of the joints of an arm; by place, name and limits of those that
+    # turn [rad]
     joints: Sequence[float] = ()
     limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
+    # what a check has found, until the checks are reset
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -190,7 +153,6 @@ class Evidence:
         Return the white noise of the force by its differences, at least as configured [N].
 
         What the detector learns in free flight may be a contact that it does not recognise.
-
         """
         if len(self.force) < 2:
             return self.configured_noise
@@ -280,32 +242,21 @@ class Check(ABC):
     One thing that is commonly wrong with the inputs.
 
     Stateless: all memory is in the evidence.
-
-    Attributes
-    ----------
-    name : str
-        In diagnostics, summaries and the documentation.
-    message, cause, remedy : str
-        For the table of warnings: the text with typical numbers, what it comes from, what to do.
-    invalidates : bool
-        Whether estimates are withheld while the warning is active.
-    of_state : bool
-        Whether the state of the pipeline alone decides, at any time.
-    confirmations : int
-        Judgements in a row that find it before it is reported.
-    stages : tuple of callable
-        What takes long of a judgement, each done after a sample of its own, before `judge`; they
-        keep what they find in the evidence.
-
     """
 
-    name: ClassVar[str]
+    name: ClassVar[str]  # in diagnostics, summaries and the documentation
+    # message, cause, remedy: for the table of warnings: the text with typical numbers, what it
+    # comes from, what to do
     message: ClassVar[str]
     cause: ClassVar[str]
     remedy: ClassVar[str]
+    # whether estimates are withheld while the warning is active
     invalidates: ClassVar[bool] = False
+    # whether the state of the pipeline alone decides, at any time
     of_state: ClassVar[bool] = False
-    confirmations: ClassVar[int] = 1
+    confirmations: ClassVar[int] = 1  # judgements in a row that find it before it is reported
+    # what takes long of a judgement, each done after a sample of its own, before `judge`; they
+    # keep what they find in the evidence
     stages: ClassVar[tuple[Callable[[Evidence], object], ...]] = ()
 
     @abstractmethod
@@ -314,5 +265,4 @@ class Check(ABC):
         Return the text of the warning.
 
         Never raises, whatever the evidence.
-
         """

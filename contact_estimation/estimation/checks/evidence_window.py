@@ -28,16 +28,7 @@ class Pending:
     """
     Rows of numbers that wait for their block.
 
-    Parameters
-    ----------
-    width : int
-        Numbers a row; the first is a stamp [ns].
-
-    Attributes
-    ----------
-    numbers : array of float
-        Row by row.
-
+    width: numbers a row; the first is a stamp [ns]
     """
 
     def __init__(self, width: int) -> None:

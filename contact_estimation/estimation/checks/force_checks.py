@@ -214,7 +214,6 @@ def _level(force: Array, seen: Evidence) -> tuple[float, float]:
     Return the middle of a force without contact, and its noise, at least as configured [N].
 
     What the detector learns is no measure: it takes time, and takes an offset for noise at first.
-
     """
     middle = median_of(force)
     spread = median_of(np.abs(force - middle)) / _MEDIAN

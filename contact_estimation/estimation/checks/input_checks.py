@@ -39,19 +39,10 @@ _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
 class Found(NamedTuple):
-    """
-    A warning of the past or present.
+    """A warning of the past or present."""
 
-    Attributes
-    ----------
-    warned : Warned
-        With its last text.
-    first_ns, last_ns : int
-        Stamps of the first and the last judgement that found it [ns].
-
-    """
-
-    warned: Warned
+    warned: Warned  # with its last text
+    # first_ns, last_ns: stamps of the first and the last judgement that found it [ns]
     first_ns: int
     last_ns: int
 
@@ -62,20 +53,13 @@ class InputChecks:
 
     Judgements fall at fixed counts of samples.
 
-    Attributes
-    ----------
-    joint_stamps : Pending
-        Stamps of joint states to come [ns]; the session appends to it.
-    wrenches : Pending
-        Stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to it.
-    due : int
-        Number of samples of a block after which there is something to judge.
-    joints, limits : sequence of float, mapping of int to (str, float, float)
-        Of an arm, the last positions of its joints and, by place, names and limits of those that
-        turn [rad]; the inputs set both.
-    found : dict
-        By check and axis, every warning since the start or `reset`.
-
+    joint_stamps: stamps of joint states to come [ns]; the session appends to it
+    wrenches: stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to
+    it
+    due: number of samples of a block after which there is something to judge
+    joints, limits: of an arm, the last positions of its joints and, by place, names and limits of
+    those that turn [rad]; the inputs set both
+    found: by check and axis, every warning since the start or `reset`
     """
 
     def __init__(
@@ -132,15 +116,8 @@ class InputChecks:
         """
         Add samples as `add` does one by one.
 
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Stamps [ns]; N is at most `room`.
-        columns : sequence of three of ndarray, shape (N,)
-            Position [m], rate [m/s] and force [N], for each axis.
-        estimates : sequence of sequence of Estimate
-            For each axis.
-
+        stamps_ns (N,): stamps [ns]; N is at most `room`
+        columns (N,): position [m], rate [m/s] and force [N], for each axis
         """
         self._window.add_many(stamps_ns, columns, estimates)
         if not self.room:

@@ -136,7 +136,6 @@ def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | Non
 
     Clocks do not part for one event of a contact, such as a release: after a contact has shown no
     lag, windows that share no sample must show one.
-
     """
     if skew is None:
         return None, None

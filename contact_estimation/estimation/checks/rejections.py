@@ -9,25 +9,12 @@ from typing import Callable, Mapping, NamedTuple
 
 
 class Rejection(NamedTuple):
-    """
-    Reasons for which messages are rejected, and the warning that they give.
+    """Reasons for which messages are rejected, and the warning that they give."""
 
-    Attributes
-    ----------
-    name : str
-        Of the warning.
-    reasons : tuple of str
-        As counted by a session.
-    message : str
-        With {count}, and names of facts in braces.
-    cause, remedy : str
-        For the table of warnings.
-
-    """
-
-    name: str
-    reasons: tuple[str, ...]
-    message: str
+    name: str  # of the warning
+    reasons: tuple[str, ...]  # as counted by a session
+    message: str  # with {count}, and names of facts in braces
+    # cause, remedy: for the table of warnings
     cause: str
     remedy: str
 
@@ -152,13 +139,7 @@ def lag_in_words(lag_s: float, topic: str) -> str:
     """
     Say how far the newest motion is from the newest wrench.
 
-    Parameters
-    ----------
-    lag_s : float
-        Newest stamp of a wrench less that of a motion [s]; NaN before both.
-    topic : str
-        Of the motion.
-
+    lag_s: newest stamp of a wrench less that of a motion [s]; NaN before both
     """
     if lag_s != lag_s:
         return f'none has come; is {topic} published, or remapped?'

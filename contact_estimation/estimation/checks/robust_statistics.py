@@ -65,7 +65,6 @@ def white_noise_of(values: Array, stride: int = 1) -> float:
     Return the deviation of white noise by second differences, in which motion hardly shows.
 
     The largest are left out: an impact is no noise. Infinite where there are too few values.
-
     """
     if len(values) < 2 * stride + 1:
         return inf

@@ -170,7 +170,6 @@ def graph_warnings(
 
     Of publishers, the nodes of each topic that needs exactly one; of nodes, all full names, one as
     often as there are nodes of it.
-
     """
     found = {}
     for topic, names in publishers.items():

@@ -49,28 +49,11 @@ class WallInference:
     A hypothesis is a small linear fit of some columns to the sum of the Gram matrices of all
     blocks, and its evidence is that of a Gaussian model.
 
-    Parameters
-    ----------
-    location, location_std : float
-        x_e as told, NaN where unknown, and its standard deviation [m].
-    lag : (float, float)
-        Prior of the lag of the force sensor [s].
-    blocks, contact : Blocks, ContactFilter
-        The samples, and the noise of the force.
-
-    Attributes
-    ----------
-    known : Knowledge
-        Now.
-    lag : LagPosterior
-        Of the force sensor.
-    rhythm : Rhythm
-        Of blocks and judgements.
-    changes : int
-        How often the wall has become another.
-    inertia : float
-        Known mass that moves with the wall, whose force the samples contain [kg].
-
+    location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
+    lag: prior of the lag of the force sensor [s]
+    blocks, contact: the samples, and the noise of the force
+    changes: how often the wall has become another
+    inertia: known mass that moves with the wall, whose force the samples contain [kg]
     """
 
     def __init__(
@@ -131,7 +114,6 @@ class WallInference:
         Relative standard deviations of K_e and B_e that the last second would leave on its own.
 
         The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
-
         """
         if self._excited_at != self.rhythm.blocks:
             self._excited_at = self.rhythm.blocks

@@ -15,32 +15,20 @@ OUTSIDE, OUTSIDE_M = 4.0, 5e-4
 
 
 class Knowledge(NamedTuple):
-    """
-    What is known of the wall.
+    """What is known of the wall."""
 
-    Attributes
-    ----------
-    stiffness, damping, stiffness_std, damping_std : float
-        K_e [N/m], B_e [N s/m]; NaN before the first contact.
-    surface, surface_std : float
-        x_e [m]; NaN before it is known.
-    inertia : float
-        Mass that moves with the wall where that is the law, else NaN [kg].
-    laws : tuple of float
-        Probabilities, in the order of `laws.NAMES`.
-    fit : float
-        Rms of the residual over that of the noise, in the last 2 s of contact; NaN before.
-
-    """
-
+    # stiffness, damping, stiffness_std, damping_std: K_e [N/m], B_e [N s/m]; NaN before the first
+    # contact
     stiffness: float
     damping: float
     stiffness_std: float
     damping_std: float
+    # surface, surface_std: x_e [m]; NaN before it is known
     surface: float
     surface_std: float
-    inertia: float
-    laws: tuple[float, ...]
+    inertia: float  # mass that moves with the wall where that is the law, else NaN [kg]
+    laws: tuple[float, ...]  # probabilities, in the order of `laws.NAMES`
+    # rms of the residual over that of the noise, in the last 2 s of contact; NaN before
     fit: float
 
     @property

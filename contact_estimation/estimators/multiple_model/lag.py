@@ -25,16 +25,8 @@ class LagPosterior:
     M' = c K tau^2 - B tau, with c between 1/2 (a delay) and 1 (one pole): the larger the damping,
     the better it is seen.
 
-    Parameters
-    ----------
-    mean, std : float
-        Prior of tau [s].
-
-    Attributes
-    ----------
-    lag : (float, float)
-        tau and its standard deviation [s].
-
+    mean, std: prior of tau [s]
+    lag: tau and its standard deviation [s]
     """
 
     def __init__(self, mean: float, std: float) -> None:
@@ -51,11 +43,7 @@ class LagPosterior:
         """
         Use a fit of K, B' and M' to all contacts of a wall.
 
-        Parameters
-        ----------
-        theta, P : ndarray, shape (5,), (5, 5)
-            Coefficients and covariance.
-
+        theta, P (5,), (5, 5): coefficients and covariance
         """
         K, B, M = theta[:3]
         error = M + (B + K * _TAU) * _TAU - TWO_POLES * K * _TAU ** 2
@@ -68,17 +56,8 @@ def told_lag(tau: float, timing_std: float) -> tuple[float, float]:
     """
     Return the prior of the lag.
 
-    Parameters
-    ----------
-    tau : float
-        Lag that is compensated already [s]; NaN: none.
-    timing_std : float
-        `synchronisation.timing_std` [s].
-
-    Returns
-    -------
-    mean, std : float
-        Of what is left [s].
-
+    tau: lag that is compensated already [s]; NaN: none
+    timing_std: `synchronisation.timing_std` [s]
+    Returns mean, std: of what is left [s]
     """
     return (0.0, 0.1 * timing_std) if tau == tau else (1.2 * timing_std, timing_std)

@@ -24,11 +24,7 @@ class MovingWall:
     Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
     log(1 + Q g_s) / 2.
 
-    Attributes
-    ----------
-    gram : ndarray, shape (15, 15)
-        Of all blocks.
-
+    gram (15, 15): of all blocks
     """
 
     def __init__(self) -> None:

@@ -34,26 +34,13 @@ class WallPosterior:
     small linear fit of some columns to the sum of these matrices. What contacts add up is carried
     from one to the next.
 
-    Parameters
-    ----------
-    location, location_std : float
-        x_e as told, NaN where unknown, and its standard deviation [m].
-    lag : (float, float)
-        Prior of the lag of the force sensor [s].
-    position_noise : float
-        Least standard deviation of the position [m].
-    minimum_force, least_noise : float
-        Contact begins above this force; least standard deviation of the force [N].
-
-    Attributes
-    ----------
-    contact : ContactFilter
-        The state of contact and the noise of the force.
-    blocks : Blocks
-        The samples, their period and noise.
-    wall : WallInference
-        What the blocks say of the wall.
-
+    location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
+    lag: prior of the lag of the force sensor [s]
+    position_noise: least standard deviation of the position [m]
+    minimum_force, least_noise: contact begins above this force; least standard deviation of the
+    force [N]
+    contact: the state of contact and the noise of the force
+    wall: what the blocks say of the wall
     """
 
     def __init__(
@@ -102,20 +89,12 @@ class WallPosterior:
         """
         Process a sample.
 
-        Parameters
-        ----------
-        t : float
-            Stamp, after the last one [s].
-        force, x, v : float
-            Pressing force [N], position [m] and its measured rate, NaN without [m/s].
-        usable : bool
-            Whether the wall is to be learned from it.
-        felt : (float, float), optional
-            Force and position by which contact is judged, where these are others.
-        bent : (float, float)
-            Where known physics bend the wall: how much more than x the displacement is that B_e
-            damps [m], and the slope of x over the depth less 1.
-
+        t: stamp, after the last one [s]
+        force, x, v: pressing force [N], position [m] and its measured rate, NaN without [m/s]
+        usable: whether the wall is to be learned from it
+        felt: force and position by which contact is judged, where these are others
+        bent: where known physics bend the wall: how much more than x the displacement is that B_e
+        damps [m], and the slope of x over the depth less 1
         """
         felt_force, felt_x = felt or (force, x)
         blocks, contact = self.blocks, self.contact
@@ -143,11 +122,7 @@ class WallPosterior:
         """
         Process consecutive samples as `take` does one by one, many at once where it can.
 
-        Parameters
-        ----------
-        t, force, x, v : ndarray, shape (N,)
-            As of `take`.
-
+        t, force, x, v (N,): as of `take`
         """
         blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)
         table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0

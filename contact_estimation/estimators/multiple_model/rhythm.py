@@ -23,15 +23,7 @@ _STEADY = 10  # long blocks without a surprise, before longer ones
 
 
 class Rhythm:
-    """
-    Short blocks and frequent judgements where the wall may be another, few where it is not.
-
-    Attributes
-    ----------
-    blocks : int
-        Of the wall so far.
-
-    """
+    """Short blocks and frequent judgements where the wall may be another, few where it is not."""
 
     def __init__(self, followed: bool) -> None:
         self.followed = followed

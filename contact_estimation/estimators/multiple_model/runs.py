@@ -21,54 +21,26 @@ _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
 
 class Change(NamedTuple):
-    """
-    The hypotheses that the wall has changed, against the one that it has not.
+    """The hypotheses that the wall has changed, against the one that it has not."""
 
-    Attributes
-    ----------
-    odds : ndarray, shape (N,)
-        Log odds of each.
-    judged : Judged
-        The wall since then.
-    centre, std : ndarray, shape (N,)
-        Prior of its surface [m].
-    run, place : ndarray of int, shape (N,)
-        Index of the run, and of the surface before it.
-
-    """
-
-    odds: Array
-    judged: Judged
+    odds: Array  # (N,) log odds of each
+    judged: Judged  # the wall since then
+    # centre, std (N,): prior of its surface [m]
     centre: Array
     std: Array
+    # run, place (N,): index of the run, and of the surface before it
     run: Ints
     place: Ints
 
 
 class Before(NamedTuple):
-    """
-    What was before each run.
+    """What was before each run."""
 
-    Attributes
-    ----------
-    used : ndarray of int, shape (N,)
-        Indices of the runs.
-    since : ndarray, shape (N, 15, 15)
-        Gram matrices since then.
-    judged : Judged
-        The wall before.
-    place : ndarray of int, shape (N,)
-        Index of its surface: that which explained best what was before.
-    law : int
-        Index of the law.
-
-    """
-
-    used: Ints
-    since: Array
-    judged: Judged
-    place: Ints
-    law: int
+    used: Ints  # (N,) indices of the runs
+    since: Array  # (N, 15, 15) Gram matrices since then
+    judged: Judged  # the wall before
+    place: Ints  # (N,) index of its surface: that which explained best what was before
+    law: int  # index of the law
 
 
 class Runs:
@@ -79,13 +51,8 @@ class Runs:
     (Adams and MacKay 2007, on a pruned set of run lengths). Without motion only the force tells
     it; the surface, known from before, gives the new stiffness then.
 
-    Attributes
-    ----------
-    changes : float
-        Changes within contacts so far, and those of the prior.
-    seconds : float
-        Time in contact, and that of the prior [s].
-
+    changes: changes within contacts so far, and those of the prior
+    seconds: time in contact, and that of the prior [s]
     """
 
     def __init__(self) -> None:
@@ -147,17 +114,9 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        Parameters
-        ----------
-        gram : ndarray, shape (15, 15)
-            Of all data.
-        scene : Scene
-            As of `evidence.judge`.
-        what : Hypotheses
-            One law with each of its surfaces.
-        prior : ndarray, shape (M,)
-            Log prior of these.
-
+        gram (15, 15): of all data
+        what: one law with each of its surfaces
+        prior (M,): log prior of these
         """
         used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
         if not len(used):
@@ -179,17 +138,8 @@ class Runs:
         """
         Judge the wall since each run, and whether it is another one, in parts.
 
-        Parameters
-        ----------
-        before : Before
-            Of `before`.
-        scene : Scene
-            As of `evidence.judge`.
-        evidence : float
-            Of the law on all data, with its prior.
-        block_s : float
-            Duration of a block [s].
-
+        evidence: of the law on all data, with its prior
+        block_s: duration of a block [s]
         """
         used, since, judged, place, law = before
         delta, variance = surfaces(judged)

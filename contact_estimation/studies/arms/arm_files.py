@@ -24,17 +24,7 @@ _KNOWN_WORSE = {'stiffness': 1.06, 'damping': 0.8}  # nominal over true
 
 
 class ArmFiles:
-    """
-    A folder with all files of one arm.
-
-    Attributes
-    ----------
-    arm : Arm
-        As given.
-    description : Path
-        The URDF.
-
-    """
+    """A folder with all files of one arm."""
 
     def __init__(self, arm: Arm, folder: Path) -> None:
         self.arm, self._folder = arm, folder
@@ -74,15 +64,7 @@ class ArmFiles:
         """
         Write the nominal model for `diagnose`: no physics, K_e 6 % too high, B_e 20 % too low.
 
-        Parameters
-        ----------
-        name : str
-            End of the file's name.
-        run : Run
-            Gives x_e and the target impedance.
-        world : World
-            True K_e [N/m] and B_e [N s/m].
-
+        world: True K_e [N/m] and B_e [N s/m]
         """
         environment = {'stiffness': world.K_e * _KNOWN_WORSE['stiffness'],
                        'damping': world.B_e * _KNOWN_WORSE['damping'], 'location': run.location}
@@ -95,11 +77,7 @@ class ArmFiles:
         """
         Compute the force along the normal as a sensor without noise measures it.
 
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Force along the normal, with the bias of the sensor [N].
-
+        Returns force (N,): force along the normal, with the bias of the sensor [N]
         """
         model = RobotModel(self._urdf, self.arm.base, SENSOR)
         axes = np.array([model.pose(q)[0] for q in run.q])
@@ -131,13 +109,8 @@ def world_of(seed: int, friction: float = 0.0) -> World:
     """
     Draw a wall.
 
-    Parameters
-    ----------
-    seed : int
-        Seed of the draw; 0 gives 5000 N/m and 80 N s/m.
-    friction : float
-        Dry friction of the joints, as a force along the normal [N].
-
+    seed: seed of the draw; 0 gives 5000 N/m and 80 N s/m
+    friction: dry friction of the joints, as a force along the normal [N]
     """
     rng = np.random.default_rng(seed)
     K_e, B_e = rng.uniform(4000.0, 7000.0), rng.uniform(60.0, 140.0)

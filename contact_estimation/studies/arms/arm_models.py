@@ -26,30 +26,17 @@ _SENSOR_RPY, _TIP_XYZ = (0.0, 0.0, 0.6), (0.0, 0.0, 0.17)
 
 @dataclass(frozen=True)
 class Arm:
-    """
-    One of the arms, its pose at the wall and the rates of its topics.
+    """One of the arms, its pose at the wall and the rates of its topics."""
 
-    Attributes
-    ----------
-    name, description : str
-        Name, and the file in the package example-robot-data.
-    base, flange : str
-        Links.
-    removed : tuple of str
-        Links beyond the flange that the tool replaces.
-    home : tuple of float
-        Joints in front of the wall [rad].
-    joint_period, wrench_period : int
-        Time between messages [ms].
-
-    """
-
+    # name, description: name, and the file in the package example-robot-data
     name: str
     description: str
+    # base, flange: links
     base: str
     flange: str
-    removed: tuple[str, ...]
-    home: tuple[float, ...]
+    removed: tuple[str, ...]  # links beyond the flange that the tool replaces
+    home: tuple[float, ...]  # joints in front of the wall [rad]
+    # joint_period, wrench_period: time between messages [ms]
     joint_period: int
     wrench_period: int
 
@@ -100,15 +87,8 @@ def mujoco_model(urdf: str, timestep: float, friction: Array | None = None) -> A
     """
     Build the MuJoCo model of a description, with a force and a torque sensor at the wrist.
 
-    Parameters
-    ----------
-    urdf : str
-        As of `description_of`.
-    timestep : float
-        Step [s].
-    friction : ndarray, shape (n,), optional
-        Dry friction of the joints [N m].
-
+    timestep: step [s]
+    friction (n,): dry friction of the joints [N m]
     """
     package, robot = mujoco(), ElementTree.fromstring(urdf)
     extension = ElementTree.SubElement(robot, 'mujoco')

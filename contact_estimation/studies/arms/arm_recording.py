@@ -26,24 +26,13 @@ _TRAJECTORY, _STRING = 'trajectory_msgs/msg/JointTrajectory', 'std_msgs/msg/Stri
 
 
 class Message(NamedTuple):
-    """
-    One message of a recording.
+    """One message of a recording."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    topic, type_name : str
-        Without leading slash; such as 'std_msgs/msg/String'.
-    data : bytes
-        CDR.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # header stamp [ns]
+    # topic, type_name: without leading slash; such as 'std_msgs/msg/String'
     topic: str
     type_name: str
-    data: bytes
+    data: bytes  # CDR
 
 
 def messages(
@@ -55,21 +44,8 @@ def messages(
     Names of the joints are shuffled anew in each of four kinds of messages, among them a joint
     that is not of the arm. Joint states come before the wrench of the same stamp.
 
-    Parameters
-    ----------
-    arm : Arm
-        Rates of the topics.
-    run : Run
-        Of the simulation.
-    joints : tuple of str
-        Names in the order of `run.q`.
-    urdf : str
-        Robot description.
-    seed : int
-        Of the noise and the order of names.
-    begin_ns : int
-        Stamp of the first message [ns].
-
+    seed: of the noise and the order of names
+    begin_ns: stamp of the first message [ns]
     """
     rng, store = np.random.default_rng(seed), _Types()
     bias = np.array(FORCE_BIAS + TORQUE_BIAS)

@@ -36,33 +36,19 @@ _LOAD = ('tool.mass', 'tool.centre', 'tool.force_bias', 'tool.torque_bias')
 
 
 class Estimated(NamedTuple):
-    """
-    Estimates at the last instant at which they were updated.
+    """Estimates at the last instant at which they were updated."""
 
-    Attributes
-    ----------
-    estimator : str
-        Which one.
-    compensation : str
-        What of the tool was taken out of the force.
-    stiffness, stiffness_std, damping, damping_std, location : float
-        In [N/m], [N s/m] and [m].
-    withheld : str
-        Why they were not updated at the end of the last contact; '' where they were.
-    warnings : tuple of str
-        Names of the on-line checks that warned.
-
-    """
-
-    estimator: str
-    compensation: str
+    estimator: str  # which one
+    compensation: str  # what of the tool was taken out of the force
+    # stiffness, stiffness_std, damping, damping_std, location: in [N/m], [N s/m] and [m]
     stiffness: float
     stiffness_std: float
     damping: float
     damping_std: float
     location: float
+    # why they were not updated at the end of the last contact; '' where they were
     withheld: str = ''
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  # names of the on-line checks that warned
 
 
 def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
@@ -127,11 +113,7 @@ def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
     """
     Compare estimates with the truth.
 
-    Returns
-    -------
-    errors : dict
-        Signed errors and standard deviations, in percent of the true value or in mm.
-
+    Returns errors: signed errors and standard deviations, in percent of the true value or in mm
     """
     return {
         'estimator': row.estimator, 'compensation': row.compensation,

@@ -26,12 +26,8 @@ def kinematics_cost(files: ArmFiles, run: Run, tool: Mapping[str, Any]) -> dict[
     """
     Time the way from joints and wrench to x, v and F_e, without the load of the tool.
 
-    Returns
-    -------
-    cost : dict
-        `kinematics_us`: processor time a sample [us], median over blocks; `to_filterpy`: its ratio
-        to predict and update of filterpy's Kalman filter, in turn with it.
-
+    Returns cost: `kinematics_us`: processor time a sample [us], median over blocks; `to_filterpy`:
+    its ratio to predict and update of filterpy's Kalman filter, in turn with it
     """
     parameters = build(EstimationParameters, {**files.parameters(run), **tool})
     arm = kinematics_of(parameters, files.description.read_text())

@@ -26,29 +26,13 @@ _RIGHT_PORTS: dict[str, set[str]] = {
 
 
 class Case(NamedTuple):
-    """
-    One arm with something concealed.
+    """One arm with something concealed."""
 
-    Attributes
-    ----------
-    name : str
-        For files.
-    run : Run
-        Simulation.
-    recording : Path
-        Of it.
-    world : World
-        Truth.
-    parameters : dict
-        Of the estimator, which do not know what is concealed.
-
-    """
-
-    name: str
-    run: Run
-    recording: Path
-    world: World
-    parameters: dict[str, Any]
+    name: str  # for files
+    run: Run  # simulation
+    recording: Path  # of it
+    world: World  # truth
+    parameters: dict[str, Any]  # of the estimator, which do not know what is concealed
 
 
 def concealed_case(files: ArmFiles, concealed: str, seed: int, tool: Path) -> Case:

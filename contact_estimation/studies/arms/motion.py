@@ -22,16 +22,9 @@ _POSE_S, _TURN_S = 1.2, 1.5
 
 
 class Reference(NamedTuple):
-    """
-    Reference along one coordinate, or of all joints, on the grid of the simulation.
+    """Reference along one coordinate, or of all joints, on the grid of the simulation."""
 
-    Attributes
-    ----------
-    x, v, a : ndarray, shape (N,) or (N, n)
-        Position [m] or [rad] and its derivatives.
-
-    """
-
+    # x, v, a (N,) or (N, n): position [m] or [rad] and its derivatives
     x: Array
     v: Array
     a: Array
@@ -41,13 +34,7 @@ def touches(timestep: float, seed: int) -> Reference:
     """
     Return a reference with three touches of a wall at 0, excited by sines.
 
-    Parameters
-    ----------
-    timestep : float
-        Of the grid [s].
-    seed : int
-        Of the phases.
-
+    timestep: of the grid [s]
     """
     phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(_FREQUENCIES))
     parts, here = [_held(_APART, _FREE_S, timestep)], _APART
@@ -63,22 +50,9 @@ def poses(home: tuple[float, ...], count: int, timestep: float, seed: int) -> Re
     """
     Return a reference of the joints through random orientations of the wrist.
 
-    Parameters
-    ----------
-    home : tuple of float
-        Joints at the beginning [rad].
-    count : int
-        Number of poses.
-    timestep : float
-        Of the grid [s].
-    seed : int
-        Of the poses.
-
-    Returns
-    -------
-    reference : Reference
-        Of all joints, shape (N, n).
-
+    home: joints at the beginning [rad]
+    timestep: of the grid [s]
+    Returns reference: of all joints, shape (N, n)
     """
     rng = np.random.default_rng(seed)
     here, parts = np.array(home), []

@@ -32,61 +32,31 @@ _WELL_DAMPED = 0.8
 
 @dataclass(frozen=True)
 class World:
-    """
-    Wall, target impedance and what is concealed.
+    """Wall, target impedance and what is concealed."""
 
-    Attributes
-    ----------
-    K_e, B_e : float
-        Of the wall [N/m], [N s/m].
-    K_t : float
-        Stiffness of the target impedance along the normal [N/m].
-    friction : float
-        Dry friction of the joints, as a force along the normal [N].
-
-    """
-
+    # K_e, B_e: of the wall [N/m], [N s/m]
     K_e: float = 5000.0
     B_e: float = 80.0
-    K_t: float = 2000.0
-    friction: float = 0.0
+    K_t: float = 2000.0  # stiffness of the target impedance along the normal [N/m]
+    friction: float = 0.0  # dry friction of the joints, as a force along the normal [N]
 
 
 @dataclass(frozen=True)
 class Run:
-    """
-    Signals of a simulation, one row a time step.
+    """Signals of a simulation, one row a time step."""
 
-    Attributes
-    ----------
-    q, q_dot : ndarray, shape (N, n)
-        Joints [rad], [rad/s].
-    wrench : ndarray, shape (N, 6)
-        What a wrist sensor measures, without noise and bias, in its own axes [N], [N m].
-    position : ndarray, shape (N,)
-        x of the tip along the normal, from the base's origin [m].
-    force : ndarray, shape (N,)
-        F_e of the wall [N].
-    reference : Reference
-        x_r along the normal, from the base's origin; of the joints in free flight.
-    normal : ndarray, shape (3,)
-        Into the wall.
-    location : float
-        x_e [m].
-    impedance : dict
-        Target impedance: mass, damping, stiffness.
-
-    """
-
+    # q, q_dot (N, n): joints [rad], [rad/s]
     q: Array
     q_dot: Array
+    # (N, 6) what a wrist sensor measures, without noise and bias, in its own axes [N], [N m]
     wrench: Array
-    position: Array
-    force: Array
+    position: Array  # (N,) x of the tip along the normal, from the base's origin [m]
+    force: Array  # (N,) F_e of the wall [N]
+    # x_r along the normal, from the base's origin; of the joints in free flight
     reference: Reference
-    normal: Array
-    location: float
-    impedance: dict[str, float]
+    normal: Array  # (3,) into the wall
+    location: float  # x_e [m]
+    impedance: dict[str, float]  # target impedance: mass, damping, stiffness
 
 
 class ArmSimulation:

@@ -19,31 +19,17 @@ from ...signals.contact_sample import ContactSample
 
 
 class ContactData(NamedTuple):
-    """
-    Samples, each with the reference that the robot followed.
+    """Samples, each with the reference that the robot followed."""
 
-    Attributes
-    ----------
-    approach : list of (ContactSample, Reference)
-        In free flight, before the contact.
-    samples : list of (ContactSample, Reference)
-        In contact.
-
-    """
-
-    approach: list[tuple[ContactSample, Reference]]
-    samples: list[tuple[ContactSample, Reference]]
+    approach: list[tuple[ContactSample, Reference]]  # in free flight, before the contact
+    samples: list[tuple[ContactSample, Reference]]  # in contact
 
 
 def contact_data(seconds: float) -> ContactData:
     """
     Simulate an approach and a contact at 500 Hz.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration of the contact [s].
-
+    seconds: duration of the contact [s]
     """
     approach, pressed = pressing(seconds)
     results = [*approach, *pressed]

@@ -19,11 +19,7 @@ class CpuMeter:
     """
     Record samples of a CPU time, and compute the mean load over any interval.
 
-    Parameters
-    ----------
-    used_s : callable
-        Returns the CPU time used so far [s].
-
+    used_s: returns the CPU time used so far [s]
     """
 
     def __init__(self, used_s: Callable[[], float]) -> None:
@@ -44,11 +40,7 @@ class CpuMeter:
         """
         Compute the mean load.
 
-        Parameters
-        ----------
-        begin_ns, end_ns : int
-            Interval on the clock of `time.time_ns`, within the samples [ns].
-
+        begin_ns, end_ns: interval on the clock of `time.time_ns`, within the samples [ns]
         """
         zero = self._at_ns[0]
         at = np.array([t - zero for t in self._at_ns], float)
@@ -60,11 +52,7 @@ def process_cpu_s(pid: int) -> float:
     """
     Read the CPU time of a process.
 
-    Returns
-    -------
-    used : float
-        User and system time of all its threads [s].
-
+    Returns used: user and system time of all its threads [s]
     """
     fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
@@ -77,11 +65,7 @@ def machine_cpu_s() -> float:
     Computed from the idle time, which is exact. The busy times of /proc/stat are sampled at
     clock ticks, to which a node that wakes every 2 ms is synchronised.
 
-    Returns
-    -------
-    used : float
-        Busy time since an arbitrary instant [s].
-
+    Returns used: busy time since an arbitrary instant [s]
     """
     with open('/proc/stat') as stat:
         idle, waiting = stat.readline().split()[4:6]

@@ -34,18 +34,10 @@ def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
     """
     Time all candidates on the same samples, alternating block by block.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration of the contact [s].
-
-    Returns
-    -------
-    results : dict
-        `estimators`, one entry each: CPU time per sample [us] (of the session the mean and the
-        99.9 % quantile of single samples, else medians over the blocks) and their ratios to
-        filterpy's predict and update. `run`: many samples per call, as in replay.
-
+    seconds: duration of the contact [s]
+    Returns results: `estimators`, one entry each: CPU time per sample [us] (of the session the
+    mean and the 99.9 % quantile of single samples, else medians over the blocks) and their ratios
+    to filterpy's predict and update. `run`: many samples per call, as in replay.
     """
     data = contact_data(seconds)
     candidates: dict[str, Steps] = {FILTERPY: filterpy_step(data)}

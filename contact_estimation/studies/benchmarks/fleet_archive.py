@@ -37,15 +37,8 @@ def write_archive(folder: Path, count: int, seconds: float) -> Path:
     """
     Write an archive and its nominal model.
 
-    Parameters
-    ----------
-    folder : Path
-        New.
-    count : int
-        Number of recordings, of which 4 are broken.
-    seconds : float
-        Duration of each [s].
-
+    count: number of recordings, of which 4 are broken
+    seconds: duration of each [s]
     """
     experiment = touches(seconds)
     broken = {round((place + 0.5) * count / len(_BREAKERS)): breaker
@@ -79,11 +72,7 @@ def touches(seconds: float) -> Experiment:
     """
     Return three touches like those of the experiment `rich`, of any duration.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration [s], at least `LEAST_S`.
-
+    seconds: duration [s], at least `LEAST_S`
     """
     away, hold = -0.02, (seconds - _OVERHEAD_S) / 3.0
     segments = [Segment(0.5, away)]

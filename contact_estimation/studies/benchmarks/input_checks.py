@@ -41,54 +41,28 @@ _OF_ROWS = ('joint_rate', 'sample_rate')  # no mistakes where rates are measured
 
 
 class Message(NamedTuple):
-    """
-    One joint state and one wrench.
+    """One joint state and one wrench."""
 
-    Attributes
-    ----------
-    joint_ns, wrench_ns : int
-        Stamps [ns]; -1: no such message.
-    position, velocity : float
-        [m], [m/s].
-    forces : tuple of float
-        F_e along x, y and z [N].
-
-    """
-
+    # joint_ns, wrench_ns: stamps [ns]; -1: no such message
     joint_ns: int
+    # position, velocity: [m], [m/s]
     position: float
     velocity: float
     wrench_ns: int
-    forces: tuple[float, float, float]
+    forces: tuple[float, float, float]  # F_e along x, y and z [N]
 
 
 Change = Callable[[int, Message], Message]
 
 
 class Mistake(NamedTuple):
-    """
-    What is commonly wrong, and the check that must say so.
+    """What is commonly wrong, and the check that must say so."""
 
-    Attributes
-    ----------
-    text : str
-        For the table.
-    expected : tuple of str
-        Names of checks; one of them must warn.
-    change : callable
-        From number and message to the wrong message.
-    parameters : mapping
-        Of the estimator.
-    lag_s : float
-        Of the wrench [s].
-
-    """
-
-    text: str
-    expected: tuple[str, ...]
-    change: Change
-    parameters: Mapping[str, Any] = {}
-    lag_s: float = 0.0
+    text: str  # for the table
+    expected: tuple[str, ...]  # names of checks; one of them must warn
+    change: Change  # from number and message to the wrong message
+    parameters: Mapping[str, Any] = {}  # of the estimator
+    lag_s: float = 0.0  # of the wrench [s]
 
 
 def _moved(metres: float) -> Change:
@@ -144,15 +118,7 @@ def healthy_session(
     """
     Run one closed loop in which nothing is wrong.
 
-    Parameters
-    ----------
-    estimator, experiment : str
-        Names.
-    wall : tuple of float
-        K_e [N/m] and B_e [N s/m].
-    seed : int
-        Of the noise.
-
+    wall: K_e [N/m] and B_e [N s/m]
     """
     plant = build(PlantParameters, {
         **PAPER_NOISE, 'environment.stiffness': wall[0], 'environment.damping': wall[1],
@@ -168,11 +134,8 @@ def seconds_to_warning(
     """
     Return the time from the first contact until the mistake is reported.
 
-    Returns
-    -------
-    seconds : float
-        At least 0 [s]; infinite without a warning, NaN where it is none for the estimator.
-
+    Returns seconds: at least 0 [s]; infinite without a warning, NaN where it is none for the
+    estimator
     """
     if estimator == MULTIPLE_MODEL and mistake.expected[0] in _OF_ROWS:
         return nan

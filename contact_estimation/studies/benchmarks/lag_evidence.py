@@ -12,20 +12,10 @@ from numpy.typing import NDArray
 
 
 class LagEvidence(NamedTuple):
-    """
-    Chi-squared of what a lagged force leaves beside other explanations of it.
+    """Chi-squared of what a lagged force leaves beside other explanations of it."""
 
-    Attributes
-    ----------
-    over_wall : float
-        Beside another stiffness, damping and location of the wall.
-    over_mass : float
-        The same and a mass that moves with the wall.
-
-    """
-
-    over_wall: float
-    over_mass: float
+    over_wall: float  # beside another stiffness, damping and location of the wall
+    over_mass: float  # the same and a mass that moves with the wall
 
 
 def lag_evidence(
@@ -38,19 +28,11 @@ def lag_evidence(
     No check that allows for another wall can do better: this one knows the noise, and tries one
     lag alone.
 
-    Parameters
-    ----------
-    t, x, v : ndarray, shape (N,)
-        Time [s], position [m] and rate [m/s].
-    contact : ndarray of bool, shape (N,)
-        Samples that count.
-    wall : tuple of float
-        True K_e [N/m] and B_e [N s/m].
-    lag_s : float
-        Of the force, positive if it comes late [s].
-    noise_std : float
-        Of the force [N].
-
+    t, x, v (N,): time [s], position [m] and rate [m/s]
+    contact (N,): samples that count
+    wall: True K_e [N/m] and B_e [N s/m]
+    lag_s: of the force, positive if it comes late [s]
+    noise_std: of the force [N]
     """
     late = np.interp(t - lag_s, t, x), np.interp(t - lag_s, t, v)
     force = (wall[0] * late[0] + wall[1] * late[1])[contact]

@@ -25,16 +25,10 @@ def write_long_recording(folder: Path, hours: float, contact: str) -> None:
     """
     Write wrench and joint_states at 500 Hz with advancing stamps.
 
-    Parameters
-    ----------
-    folder : Path
-        New rosbag2 folder.
-    hours : float
-        Length [h].
-    contact : str
-        'mixed': the sine manoeuvre of 12 s repeated, one third in contact; 'always': one
-        approach, then contact under excitation to the end.
-
+    folder: new rosbag2 folder
+    hours: length [h]
+    contact: 'mixed': the sine manoeuvre of 12 s repeated, one third in contact; 'always': one
+    approach, then contact under excitation to the end
     """
     wrenches = WrenchEncoder('contact_frame')
     joints = JointStateEncoder('contact_frame', 'contact_x', True)

@@ -37,47 +37,24 @@ _ASYMMETRY = 0.05  # of the geometric mean of the stiffnesses, in every second w
 
 
 class MatrixWorld(NamedTuple):
-    """
-    Samples of a wall with the truth.
+    """Samples of a wall with the truth."""
 
-    Attributes
-    ----------
-    samples : list of tuple of ContactSample
-        Of x, y and z.
-    contact : list of bool
-        Whether the tool touches.
-    stiffness, damping : ndarray, shape (3, 3)
-        K [N/m] and B [N s/m].
-    normal : ndarray, shape (3,)
-        Unit vector into the wall, the stiffest direction.
-    friction : float
-        Coefficient of Coulomb friction.
-
-    """
-
-    samples: list[AxesSample]
-    contact: list[bool]
+    samples: list[AxesSample]  # of x, y and z
+    contact: list[bool]  # whether the tool touches
+    # stiffness, damping (3, 3): k [N/m] and B [N s/m]
     stiffness: Array
     damping: Array
-    normal: Array
-    friction: float
+    normal: Array  # (3,) unit vector into the wall, the stiffest direction
+    friction: float  # coefficient of Coulomb friction
 
 
 def make_world(index: int, friction: float, seed: int, hold_s: float = 6.0) -> MatrixWorld:
     """
     Draw and simulate a wall.
 
-    Parameters
-    ----------
-    index : int
-        Of the world; the same wall and motion for every friction.
-    friction : float
-        Coefficient of friction; its force is along the tangential velocity.
-    seed : int
-        Of all draws.
-    hold_s : float
-        Duration of the motion in contact [s].
-
+    index: of the world; the same wall and motion for every friction
+    friction: coefficient of friction; its force is along the tangential velocity
+    hold_s: duration of the motion in contact [s]
     """
     draw = np.random.default_rng([seed, index])
     frame = np.linalg.qr(draw.standard_normal((3, 3)))[0]  # the normal is its first column
@@ -140,28 +117,20 @@ def _measure(t: Array, x: Array, F: Array, draw: np.random.Generator) -> list[Ax
 
 
 class Score(NamedTuple):
-    """
-    How an estimate fits the truth.
+    """How an estimate fits the truth."""
 
-    Attributes
-    ----------
-    K_error, B_error, angle : float
-        Relative errors of the matrices (Frobenius) and the angle of the normal [deg].
-    K_inside, B_inside, normal_inside, friction_inside : float
-        Share of the entries within 2 standard deviations.
-    told : float
-        1 where the reason names friction.
-
-    """
-
+    # K_error, B_error, angle: relative errors of the matrices (Frobenius) and the angle of the
+    # normal [deg]
     K_error: float
     B_error: float
     angle: float
+    # K_inside, B_inside, normal_inside, friction_inside: share of the entries within 2 standard
+    # deviations
     K_inside: float
     B_inside: float
     normal_inside: float
     friction_inside: float
-    told: float
+    told: float  # 1 where the reason names friction
 
 
 def estimate_of(world: MatrixWorld) -> MatrixEstimate:

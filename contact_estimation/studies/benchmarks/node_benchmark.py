@@ -18,15 +18,7 @@ def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str,
     """
     Alternate echo and estimator at each rate.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration of each run [s].
-    rounds : int
-        Pairs of runs at each rate.
-    estimator : str
-        Estimator of the estimator node.
-
+    seconds: duration of each run [s]
     """
     own = {'echo': [], 'estimator': [f'estimator:={estimator}']}
     runs: list[dict[str, Any]] = []

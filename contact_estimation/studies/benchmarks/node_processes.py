@@ -40,12 +40,6 @@ def end_node(process: subprocess.Popen[bytes], timeout_s: float = _TIMEOUT_S) ->
     """
     Interrupt a node, or a loop of nodes, and wait; kill it after a time-out.
 
-    Parameters
-    ----------
-    process : subprocess.Popen
-        Process, running or ended.
-    timeout_s : float
-        Time from the interrupt to the kill [s].
-
+    timeout_s: time from the interrupt to the kill [s]
     """
     end_process(process, timeout_s)

@@ -30,17 +30,9 @@ def run_node_once(node: str, rate: float, seconds: float, parameters: list[str])
     """
     Run the plant with a node and measure load and latency.
 
-    Parameters
-    ----------
-    node : str
-        Key of NODES.
-    rate : float
-        Sample rate [Hz].
-    seconds : float
-        Duration of the experiment [s].
-    parameters : list of str
-        Further parameters of the node, as NAME:=VALUE.
-
+    rate: sample rate [Hz]
+    seconds: duration of the experiment [s]
+    parameters: further parameters of the node, as NAME:=VALUE
     """
     with TemporaryDirectory() as folder:
         summary = Path(folder) / 'plant.json'

@@ -28,27 +28,15 @@ _GOLDEN = 0.6180339887
 
 
 class Row(NamedTuple):
-    """
-    One item that is measured.
+    """One item that is measured."""
 
-    Attributes
-    ----------
-    meaning : str
-        What is measured.
-    worlds, quick : int
-        Number of worlds, and with --quick.
-    make : callable
-        Makes a world from a generator and its index.
-    score : callable
-        Scores a trace of a world.
-
-    """
-
-    meaning: str
+    meaning: str  # what is measured
+    # worlds, quick: number of worlds, and with --quick
     worlds: int
     quick: int
+    # makes a world from a generator and its index
     make: Callable[[np.random.Generator, int], World]
-    score: Callable[[World, Trace], Score]
+    score: Callable[[World, Trace], Score]  # scores a trace of a world
 
     def run(self, draw: np.random.Generator, index: int) -> Score:
         """Make, follow and score one world."""

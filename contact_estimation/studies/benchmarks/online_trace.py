@@ -32,63 +32,34 @@ BAND = 2.0
 
 
 class Trace(NamedTuple):
-    """
-    Estimates of a world.
+    """Estimates of a world."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        When the wrenches of the samples were measured [s].
-    K, B, K_std, B_std : ndarray, shape (N,)
-        Estimates and their deviations, NaN where withheld.
-    location : ndarray, shape (N,)
-        Estimated x_e [m].
-    contact : ndarray of bool, shape (N,)
-        Whether the status is not free.
-    warnings : list of (float, str, str)
-        When looked at [s], name and text.
-    laws : list of (float, mapping)
-        When looked at [s], and the probability of each law.
-    error : str
-        What was raised, after which nothing follows; '' for nothing.
-
-    """
-
-    t: Array
+    t: Array  # (N,) when the wrenches of the samples were measured [s]
+    # K, B, K_std, B_std (N,): estimates and their deviations, NaN where withheld
     K: Array
     B: Array
     K_std: Array
     B_std: Array
-    location: Array
-    contact: NDArray[np.bool_]
-    warnings: list[tuple[float, str, str]]
+    location: Array  # (N,) estimated x_e [m]
+    contact: NDArray[np.bool_]  # (N,) whether the status is not free
+    warnings: list[tuple[float, str, str]]  # when looked at [s], name and text
+    # when looked at [s], and the probability of each law
     laws: list[tuple[float, Mapping[str, float]]]
-    error: str
+    error: str  # what was raised, after which nothing follows; '' for nothing
 
 
 class Score(NamedTuple):
-    """
-    One world.
+    """One world."""
 
-    Attributes
-    ----------
-    group : str
-        Of the world.
-    K_error, B_error : float
-        Relative; NaN without an estimate.
-    K_held, B_held : tuple of (int, int)
-        At how many instants the truth is in the band, of how many at which there is one.
-    more : mapping of str to float or bool
-        Whatever else a row measures, by name and unit.
-
-    """
-
-    group: str
+    group: str  # of the world
+    # K_error, B_error: relative; NaN without an estimate
     K_error: float
     B_error: float
+    # K_held, B_held: at how many instants the truth is in the band, of how many at which there is
+    # one
     K_held: tuple[int, int]
     B_held: tuple[int, int]
-    more: Mapping[str, Any] = {}
+    more: Mapping[str, Any] = {}  # whatever else a row measures, by name and unit
 
 
 def follow(world: World) -> Trace:
@@ -138,19 +109,9 @@ def score(
     """
     Compare a trace with the truth.
 
-    Parameters
-    ----------
-    world : World
-        With the truth.
-    trace : Trace
-        Of this world.
-    at : float, optional
-        When errors are taken [s]; the end of the last contact by default.
-    instants : sequence of float, optional
-        When bands are checked [s]; by default every 0.1 s of contact from 1 s after its touch.
-    more : mapping, optional
-        As of Score.
-
+    at: when errors are taken [s]; the end of the last contact by default
+    instants: when bands are checked [s]; by default every 0.1 s of contact from 1 s after its
+    touch
     """
     at = end_of_contact(world) if at is None else at
     instants = settled_instants(world) if instants is None else instants

@@ -34,163 +34,77 @@ _MEAN_DEPTH_S = 0.5  # memory of the penetration at which a nonlinear K_e and B_
 
 
 class Wall(NamedTuple):
-    """
-    F = K d + B d' + M d'' + F_c sgn(d'), at least 0, at the depth d > 0 below the surface.
+    """F = K d + B d' + M d'' + F_c sgn(d'), at least 0, at the depth d > 0 below the surface."""
 
-    Attributes
-    ----------
-    stiffness, damping : float
-        K_e [N/m] and B_e [N s/m], of a Hunt-Crossley wall at `depth`.
-    location : float
-        x_e [m].
-    exponent : float
-        Of a Hunt-Crossley wall, K d^n + chi d^n d'; NaN: spring and damper.
-    depth : float
-        Penetration at which a Hunt-Crossley wall has this stiffness and damping [m].
-    mass, friction : float
-        M [kg] and F_c [N].
-    factor : callable or None
-        Stiffness over time, relative to `stiffness`.
-    shift : callable or None
-        Displacement of the surface, a piece of a path.
-
-    """
-
+    # stiffness, damping: K_e [N/m] and B_e [N s/m], of a Hunt-Crossley wall at `depth`
     stiffness: float
     damping: float
-    location: float = 0.0
-    exponent: float = nan
+    location: float = 0.0  # x_e [m]
+    exponent: float = nan  # of a Hunt-Crossley wall, K d^n + chi d^n d'; NaN: spring and damper
+    # penetration at which a Hunt-Crossley wall has this stiffness and damping [m]
     depth: float = 0.01
+    # mass, friction: m [kg] and F_c [N]
     mass: float = 0.0
     friction: float = 0.0
-    factor: Callable[[Array], Array] | None = None
-    shift: Piece | None = None
+    factor: Callable[[Array], Array] | None = None  # stiffness over time, relative to `stiffness`
+    shift: Piece | None = None  # displacement of the surface, a piece of a path
 
 
 class Sensor(NamedTuple):
-    """
-    What is measured, and how.
+    """What is measured, and how."""
 
-    Attributes
-    ----------
-    lag_s : float
-        Delay of slow forces in the low-pass filter of the force sensor [s].
-    poles : int
-        1 or 2 (Butterworth), order of the filter.
-    noise, zero : float
-        Standard deviation of white noise and constant error of the force [N].
-    position_noise : float
-        Standard deviation, besides steps of 1 um [m].
-    velocity_noise : float
-        Standard deviation [m/s]; NaN: velocity is not measured.
-    rate : float
-        Of both topics [Hz].
-    tool_mass : float
-        Mass between sensor and wall, whose inertia is measured with the force [kg].
-
-    """
-
-    lag_s: float = 1e-3
-    poles: int = 1
+    lag_s: float = 1e-3  # delay of slow forces in the low-pass filter of the force sensor [s]
+    poles: int = 1  # 1 or 2 (Butterworth), order of the filter
+    # noise, zero: standard deviation of white noise and constant error of the force [N]
     noise: float = 0.2
     zero: float = 0.0
-    position_noise: float = 1e-6
-    velocity_noise: float = nan
-    rate: float = 500.0
+    position_noise: float = 1e-6  # standard deviation, besides steps of 1 um [m]
+    velocity_noise: float = nan  # standard deviation [m/s]; NaN: velocity is not measured
+    rate: float = 500.0  # of both topics [Hz]
+    # mass between sensor and wall, whose inertia is measured with the force [kg]
     tool_mass: float = 0.0
 
 
 class Stream(NamedTuple):
-    """
-    Messages of one topic.
+    """Messages of one topic."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        When they were measured [s].
-    stamp_ns : ndarray of int, shape (N,)
-        Their stamps [ns].
-    values : ndarray, shape (N, M)
-        F_e [N], or x [m] and v [m/s].
-
-    """
-
-    t: Array
-    stamp_ns: NDArray[np.int64]
-    values: Array
+    t: Array  # (N,) when they were measured [s]
+    stamp_ns: NDArray[np.int64]  # (N,) their stamps [ns]
+    values: Array  # (N, M) F_e [N], or x [m] and v [m/s]
 
 
 class Truth(NamedTuple):
-    """
-    What happened, at 1 kHz.
+    """What happened, at 1 kHz."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        Time [s].
-    pressing : ndarray, shape (N,)
-        Force on the wall [N], at least 0.
-    stiffness, damping : ndarray, shape (N,)
-        K_e [N/m] and B_e [N s/m]; of a Hunt-Crossley wall K d^(n - 1) and chi d^n at the recent
-        mean penetration, as the estimators publish them.
-    contacts : list of (float, float)
-        Begin and end of each [s].
-    wall : Wall
-        As simulated.
-    sensor : Sensor
-        As simulated.
-
-    """
-
-    t: Array
-    pressing: Array
+    t: Array  # (N,) time [s]
+    pressing: Array  # (N,) force on the wall [N], at least 0
+    # stiffness, damping (N,): K_e [N/m] and B_e [N s/m]; of a Hunt-Crossley wall K d^(n - 1) and
+    # chi d^n at the recent mean penetration, as the estimators publish them
     stiffness: Array
     damping: Array
-    contacts: list[tuple[float, float]]
-    wall: Wall
-    sensor: Sensor
+    contacts: list[tuple[float, float]]  # begin and end of each [s]
+    wall: Wall  # as simulated
+    sensor: Sensor  # as simulated
 
 
 class World(NamedTuple):
-    """
-    Messages with the truth.
+    """Messages with the truth."""
 
-    Attributes
-    ----------
-    group : str
-        Worlds of one row and group are summarised together.
-    parameters : mapping of str to Any
-        Parameters that are not defaults, by dotted name.
-    wrenches, motions : Stream
-        Messages.
-    truth : Truth
-        What happened.
-    marks : mapping of str to float
-        Times that a row needs [s].
-
-    """
-
-    group: str
-    parameters: Mapping[str, Any]
+    group: str  # worlds of one row and group are summarised together
+    parameters: Mapping[str, Any]  # parameters that are not defaults, by dotted name
+    # wrenches, motions: messages
     wrenches: Stream
     motions: Stream
-    truth: Truth
-    marks: Mapping[str, float] = {}
+    truth: Truth  # what happened
+    marks: Mapping[str, float] = {}  # times that a row needs [s]
 
 
 def pressing_force(wall: Wall, delta: Array, rate: Array, acceleration: Array, t: Array) -> Array:
     """
     Return the force on a wall [N].
 
-    Parameters
-    ----------
-    wall : Wall
-        Its law.
-    delta, rate, acceleration : ndarray, shape (N,)
-        Penetration [m] and its derivatives.
-    t : ndarray, shape (N,)
-        Time [s].
-
+    delta, rate, acceleration (N,): penetration [m] and its derivatives
+    t (N,): time [s]
     """
     stiffness = wall.stiffness * (wall.factor(t) if wall.factor else 1.0)
     force = stiffness * delta + wall.damping * rate
@@ -215,21 +129,8 @@ def simulate(
     """
     Simulate a world.
 
-    Parameters
-    ----------
-    group, parameters, marks
-        As of World.
-    pieces : sequence of callable
-        Of the path of the tool relative to `wall.location`.
-    seconds : float
-        Duration [s].
-    wall : Wall
-        That is touched.
-    sensor : Sensor
-        That measures.
-    draw : numpy.random.Generator
-        Of all noise.
-
+    pieces: of the path of the tool relative to `wall.location`
+    seconds: duration [s]
     """
     t = np.arange(round(seconds * FINE)) / FINE
     path = path_at(pieces, t)

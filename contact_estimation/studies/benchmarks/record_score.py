@@ -53,7 +53,6 @@ def with_relatives(names: set[str]) -> set[str]:
 
     Real friction rests, slides and hystereses at once: pre-sliding and Bouc-Wen laws, and friction
     of the robot or of the contact, count as one kind here.
-
     """
     telling = names - _ALONE
     families = {EFFECTS[name].family for name in telling if name in EFFECTS}.difference(_MIXED)

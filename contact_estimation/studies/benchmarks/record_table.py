@@ -14,37 +14,20 @@ _COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', '
 
 
 class Row(NamedTuple):
-    """
-    One diagnosed record.
+    """One diagnosed record."""
 
-    Attributes
-    ----------
-    name, source : str
-        Of the record; '' without a known source.
-    verdict : str
-        '' after a failure.
-    effects : sequence of mapping
-        As in the report.
-    outcome : str
-        One of CLASSES; '' where no truth is known.
-    recalibrated, corrected : float or None
-        Held-out force errors, relative to the standard deviation of the force.
-    error : str
-        Message of a failed diagnosis.
-    cpu_s : float
-        Processor time of the diagnosis [s].
-
-    """
-
+    # name, source: of the record; '' without a known source
     name: str
     source: str
-    verdict: str
-    effects: Sequence[Mapping[str, Any]]
-    outcome: str
+    verdict: str  # '' after a failure
+    effects: Sequence[Mapping[str, Any]]  # as in the report
+    outcome: str  # one of CLASSES; '' where no truth is known
+    # recalibrated, corrected: held-out force errors, relative to the standard deviation of the
+    # force
     recalibrated: float | None
     corrected: float | None
-    error: str
-    cpu_s: float
+    error: str  # message of a failed diagnosis
+    cpu_s: float  # processor time of the diagnosis [s]
 
 
 def as_markdown(rows: Sequence[Row]) -> str:

@@ -33,27 +33,14 @@ _TRAIN, _PARTNER = 'train', 'pulses'
 
 
 class Record(NamedTuple):
-    """
-    The files of a record.
+    """The files of a record."""
 
-    Attributes
-    ----------
-    name : str
-        Of its recording, without suffix.
-    recording, nominal : Path
-        What `diagnose` gets.
-    holdout : Path or None
-        The recording to test on; None for a part of the recording itself.
-    truth : mapping or None
-        Content of the truth file.
-
-    """
-
-    name: str
+    name: str  # of its recording, without suffix
+    # recording, nominal: what `diagnose` gets
     recording: Path
     nominal: Path
-    holdout: Path | None
-    truth: Mapping[str, Any] | None
+    holdout: Path | None  # the recording to test on; None for a part of the recording itself
+    truth: Mapping[str, Any] | None  # content of the truth file
 
 
 class _Outcome(NamedTuple):

@@ -29,17 +29,9 @@ def run_replay_benchmark(
     """
     Alternate replay and the references on one recording.
 
-    Parameters
-    ----------
-    recording : str or None
-        Recording with topics wrench and joint_states; None writes one.
-    hours : float
-        Length of the written recording [h].
-    contact : str
-        Kind of the written recording, see `write_long_recording`.
-    rounds : int
-        Repetitions; medians are reported.
-
+    recording: recording with topics wrench and joint_states; None writes one
+    hours: length of the written recording [h]
+    contact: kind of the written recording, see `write_long_recording`
     """
     if recording is not None:
         return _measure(Path(recording), Path(recording).name, rounds)

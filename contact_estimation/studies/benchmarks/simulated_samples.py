@@ -32,11 +32,7 @@ def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
     """
     Simulate an approach and a contact with 3 Hz excitation.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration of the contact; a multiple of 1 s has whole periods [s].
-
+    seconds: duration of the contact; a multiple of 1 s has whole periods [s]
     """
     experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)
     results = _simulate(experiment, _SETTLED_S + seconds)

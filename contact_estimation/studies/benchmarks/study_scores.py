@@ -34,37 +34,23 @@ NORMALISED = 'indirect_adaptive, normalised'
 
 
 class Score(NamedTuple):
-    """
-    One candidate on one world.
+    """One candidate on one world."""
 
-    Attributes
-    ----------
-    stiffness : float
-        Of the wall at the end [N/m].
-    stiffness_error, damping_error : float
-        At the end of the last contact, relative.
-    stiffness_held, damping_held : ndarray of bool
-        Whether the truth is within 2 standard deviations, at the instants at which one is given.
-    widths : tuple of float
-        Median standard deviation of K and B relative to the truth, NaN where none is given.
-    given : tuple of float
-        Share of the instants at which a standard deviation is given, of K and B.
-    converged_s : float
-        Time after the change from which K_hat stays within 10 %; inf: never, NaN: no change.
-    us : float
-        Processor time a sample [us].
-
-    """
-
-    stiffness: float
+    stiffness: float  # of the wall at the end [N/m]
+    # stiffness_error, damping_error: at the end of the last contact, relative
     stiffness_error: float
     damping_error: float
+    # stiffness_held, damping_held: whether the truth is within 2 standard deviations, at the
+    # instants at which one is given
     stiffness_held: Flags
     damping_held: Flags
+    # median standard deviation of K and B relative to the truth, NaN where none is given
     widths: tuple[float, float]
+    # share of the instants at which a standard deviation is given, of K and B
     given: tuple[float, float]
+    # time after the change from which K_hat stays within 10 %; inf: never, NaN: no change
     converged_s: float
-    us: float
+    us: float  # processor time a sample [us]
 
 
 def candidates() -> dict[str, Callable[[World], Trace]]:
@@ -108,15 +94,7 @@ def score(world: World, trace: Trace, us: float = nan) -> Score:
     """
     Score a trace.
 
-    Parameters
-    ----------
-    world : World
-        With the truth.
-    trace : Trace
-        Estimates and deviations at its samples.
-    us : float
-        Processor time a sample [us].
-
+    us: processor time a sample [us]
     """
     K, B, K_std, B_std = trace
     last = int(np.searchsorted(world.t, world.contacts[-1][1] - _BEFORE_END_S)) - 1

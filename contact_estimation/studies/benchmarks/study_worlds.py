@@ -42,46 +42,23 @@ _FORCE_STEP = 0.02  # [N]
 
 @dataclass(frozen=True)
 class Scenario:
-    """
-    What happens in a world.
+    """What happens in a world."""
 
-    Attributes
-    ----------
-    name : str
-        Of the scenario.
-    excited : bool or None
-        Whether the tool moves while pressing; None: in every second world.
-    contacts : int
-        Number of contacts.
-    hold_s : float
-        Duration of each [s].
-    walls : tuple of float
-        Stiffness of the wall in each contact [N/m]; (): drawn, the same in all.
-    factor : callable or None
-        Stiffness over time since the touch-down [s], relative to that of the wall.
-    change_s : float
-        When it changes, after the touch-down; 0 for a wall that is new in the last contact [s].
-    location_std : float
-        Of the true x_e about that of the parameters [m]; 0: exact.
-    exact_location : bool
-        Whether the parameters say that x_e is exact.
-    abrupt : bool
-        Whether there is a change from which estimates converge again.
-    pressing : callable or None
-        Force on the wall before it is clipped at 0, where it is not that of a spring and damper.
-
-    """
-
-    name: str
+    name: str  # of the scenario
+    # whether the tool moves while pressing; None: in every second world
     excited: bool | None = True
-    contacts: int = 2
-    hold_s: float = 4.0
+    contacts: int = 2  # number of contacts
+    hold_s: float = 4.0  # duration of each [s]
+    # stiffness of the wall in each contact [N/m]; (): drawn, the same in all
     walls: tuple[float, ...] = ()
+    # stiffness over time since the touch-down [s], relative to that of the wall
     factor: Callable[[Array], Array] | None = None
+    # when it changes, after the touch-down; 0 for a wall that is new in the last contact [s]
     change_s: float = 0.0
-    location_std: float = 0.0
-    exact_location: bool = False
-    abrupt: bool = False
+    location_std: float = 0.0  # of the true x_e about that of the parameters [m]; 0: exact
+    exact_location: bool = False  # whether the parameters say that x_e is exact
+    abrupt: bool = False  # whether there is a change from which estimates converge again
+    # force on the wall before it is clipped at 0, where it is not that of a spring and damper
     pressing: Callable[[Course, Sensor], Array] | None = None
 
 
@@ -119,79 +96,38 @@ class Sensor(NamedTuple):
 
     One pole delays the force by 1 / (2 pi cutoff), two (Butterworth) by sqrt(2) times that: 0.5
     to 2.3 ms, in the root mean square the 1 ms of `synchronisation.timing_std`.
-
-    Attributes
-    ----------
-    cutoff : float
-        Cut-off frequency of the low-pass filter [Hz].
-    noise : float
-        Standard deviation of the force noise [N].
-    with_velocity : bool
-        Whether `joint_states` carry velocities.
-    poles : int
-        1 or 2, order of the low-pass filter.
-
     """
 
-    cutoff: float
-    noise: float
-    with_velocity: bool
-    poles: int = 1
+    cutoff: float  # cut-off frequency of the low-pass filter [Hz]
+    noise: float  # standard deviation of the force noise [N]
+    with_velocity: bool  # whether `joint_states` carry velocities
+    poles: int = 1  # 1 or 2, order of the low-pass filter
 
 
 class World(NamedTuple):
-    """
-    The samples of a world with the truth.
+    """The samples of a world with the truth."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        What happens.
-    samples : list of ContactSample
-        As paired by the synchroniser.
-    t : ndarray, shape (N,)
-        Their stamps [s].
-    stiffness, damping : ndarray, shape (N,)
-        K_e [N/m] and B_e [N s/m] of the wall.
-    contacts : list of (float, float)
-        Begin and end of the true contacts [s].
-    sensor : Sensor
-        That measured the force.
-
-    """
-
-    scenario: Scenario
-    samples: list[ContactSample]
-    t: Array
+    scenario: Scenario  # what happens
+    samples: list[ContactSample]  # as paired by the synchroniser
+    t: Array  # (N,) their stamps [s]
+    # stiffness, damping (N,): K_e [N/m] and B_e [N s/m] of the wall
     stiffness: Array
     damping: Array
-    contacts: list[tuple[float, float]]
-    sensor: Sensor
+    contacts: list[tuple[float, float]]  # begin and end of the true contacts [s]
+    sensor: Sensor  # that measured the force
 
 
 class Course(NamedTuple):
-    """
-    The path of the tool and the wall at a high rate.
+    """The path of the tool and the wall at a high rate."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        Time [s].
-    delta, rate : ndarray, shape (N,)
-        Penetration [m] and its rate [m/s].
-    stiffness, damping : ndarray, shape (N,)
-        K_e [N/m] and B_e [N s/m].
-    contacts : list of (float, float)
-        Begin and end of each [s].
-
-    """
-
-    t: Array
+    t: Array  # (N,) time [s]
+    # delta, rate (N,): penetration [m] and its rate [m/s]
     delta: Array
     rate: Array
+    # stiffness, damping (N,): K_e [N/m] and B_e [N s/m]
     stiffness: Array
     damping: Array
-    contacts: list[tuple[float, float]]
+    contacts: list[tuple[float, float]]  # begin and end of each [s]
 
 
 def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:

@@ -18,24 +18,13 @@ _SAMPLING_S = 0.02
 
 
 class Cost(NamedTuple):
-    """
-    Resources used by a command.
+    """Resources used by a command."""
 
-    Attributes
-    ----------
-    wall_s, cpu_s : float
-        Elapsed time, and user plus system time [s].
-    peak_mb : float
-        Peak resident memory [MB].
-    text : str
-        Standard output.
-
-    """
-
+    # wall_s, cpu_s: elapsed time, and user plus system time [s]
     wall_s: float
     cpu_s: float
-    peak_mb: float
-    text: str
+    peak_mb: float  # peak resident memory [MB]
+    text: str  # standard output
 
 
 def run_timed(command: Sequence[str]) -> Cost:
@@ -44,7 +33,6 @@ def run_timed(command: Sequence[str]) -> Cost:
 
     The peak memory is VmHWM, since ru_maxrss of wait4 includes the memory of the forking
     process.
-
     """
     with TemporaryFile('w+') as output:
         begin = time.perf_counter()

@@ -29,13 +29,7 @@ def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
     """
     Run `loop` and `loop --watch` in pairs, whose order alternates.
 
-    Parameters
-    ----------
-    seconds : float
-        Duration of each run [s].
-    rounds : int
-        Pairs of runs.
-
+    seconds: duration of each run [s]
     """
     runs: list[dict[str, Any]] = []
     for number in range(rounds):

@@ -29,45 +29,22 @@ _LEAST = 0.02  # probability: one that is wrong for certain costs no more than 4
 
 
 class JudgedTrial(NamedTuple):
-    """
-    A trial with its truth.
+    """A trial with its truth."""
 
-    Attributes
-    ----------
-    compared : Compared
-        The models of its diagnosis.
-    effects : frozenset of str
-        Effects of the families that are right; empty where no name is.
-
-    """
-
-    compared: Compared
-    effects: frozenset[str]
+    compared: Compared  # the models of its diagnosis
+    effects: frozenset[str]  # effects of the families that are right; empty where no name is
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """
-    Fitted constants.
+    """Fitted constants."""
 
-    Attributes
-    ----------
-    trials : int
-        Number of trials.
-    before, after : float
-        Loss with the constants as they are, and as fitted [nat a trial].
-    constants : Constants
-        As fitted.
-    sensitivity : dict of str to tuple of float
-        Loss at half and at twice each fitted constant.
-
-    """
-
-    trials: int
+    trials: int  # number of trials
+    # before, after: loss with the constants as they are, and as fitted [nat a trial]
     before: float
     after: float
-    constants: Constants
-    sensitivity: dict[str, tuple[float, float]]
+    constants: Constants  # as fitted
+    sensitivity: dict[str, tuple[float, float]]  # loss at half and at twice each fitted constant
 
     def text(self) -> str:
         """Format the constants as a table."""
@@ -103,12 +80,8 @@ def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
     """
     Return the mean logarithmic score of the truth.
 
-    Returns
-    -------
-    loss : float
-        -log of the probability of models with a right family, or, where no name is right, of those
-        without a law [nat a trial].
-
+    Returns loss: -log of the probability of models with a right family, or, where no name is
+    right, of those without a law [nat a trial]
     """
     scores = []
     for trial in trials:

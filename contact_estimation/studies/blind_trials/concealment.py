@@ -34,22 +34,11 @@ _MAX_FACTOR = 12.0  # of one step of the search
 
 
 class Concealed(NamedTuple):
-    """
-    Result of the search.
+    """Result of the search."""
 
-    Attributes
-    ----------
-    strength : float
-        Strength of the effect, 0 to 1.
-    degree : float
-        Degree of concealment r.
-    not_concealable : bool
-        The degree exceeds the requested one at any strength, or jumps over it.
-
-    """
-
-    strength: float
-    degree: float
+    strength: float  # strength of the effect, 0 to 1
+    degree: float  # degree of concealment r
+    # the degree exceeds the requested one at any strength, or jumps over it
     not_concealable: bool = False
 
 
@@ -63,13 +52,8 @@ def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
     """
     Compute the ratio of two RMS residuals of simulations without noise, as noise would leave them.
 
-    Parameters
-    ----------
-    noise : float
-        Standard deviation of white noise, added to both [N].
-    with_effect, without : ndarray, shape (N,)
-        Residuals [N]; NaN does not count.
-
+    noise: standard deviation of white noise, added to both [N]
+    with_effect, without (N,): residuals [N]; NaN does not count
     """
     rms, rms_without = (float(np.sqrt(np.nanmean(each**2))) for each in (with_effect, without))
     return hypot(noise, rms) / hypot(noise, rms_without)
@@ -79,11 +63,8 @@ def residual(in_motion: bool, world: RandomWorld, run: Run) -> Array:
     """
     Compute the residual in which an effect shows.
 
-    Returns
-    -------
-    residual : ndarray, shape (N,)
-        Of eq. (1) at the robot, else of a refitted spring-damper [N]; NaN where undefined.
-
+    Returns residual (N,): of eq. (1) at the robot, else of a refitted spring-damper [N]; NaN where
+    undefined.
     """
     return _impedance_residual(world, run) if in_motion else _contact_residual(world, run)
 
@@ -92,19 +73,10 @@ def active_intervals(residual: Array, t: Array) -> list[tuple[float, float]]:
     """
     Find the intervals in which a residual is large.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (N,)
-        Residual [N]; NaN counts as 0.
-    t : ndarray, shape (N,)
-        Time, evenly spaced [s].
-
-    Returns
-    -------
-    intervals : list of (float, float)
-        Where the RMS over 0.1 s exceeds half of the overall RMS [s]; intervals less than 0.3 s
-        apart are joined.
-
+    residual (N,): residual [N]; NaN counts as 0
+    t (N,): time, evenly spaced [s]
+    Returns intervals: where the RMS over 0.1 s exceeds half of the overall RMS [s]; intervals less
+    than 0.3 s apart are joined
     """
     residual, h = np.nan_to_num(residual), float(t[1] - t[0])
     if not residual.any():
@@ -160,7 +132,6 @@ def conceal(
 
     The residual grows about in proportion to the strength: a secant of the logarithms converges
     in a few simulations.
-
     """
     goal, strength = _excess(requested), first
     below: tuple[float, float] | None = None

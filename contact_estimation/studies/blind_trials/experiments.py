@@ -19,36 +19,18 @@ _MAX_SPEED = 0.2  # of x_r; faster approaches end in an impact [m/s]
 
 
 class Stage(NamedTuple):
-    """
-    Geometry of an experiment.
+    """Geometry of an experiment."""
 
-    Attributes
-    ----------
-    surface : float
-        x_e [m].
-    rest : float
-        Position between touches [m].
-    reach : float
-        Distance of x_r beyond the surface at level 1 [m].
-
-    """
-
-    surface: float
-    rest: float
-    reach: float
+    surface: float  # x_e [m]
+    rest: float  # position between touches [m]
+    reach: float  # distance of x_r beyond the surface at level 1 [m]
 
 
 class Faded(Excitation):
     """
     An excitation faded in and out smoothly.
 
-    Parameters
-    ----------
-    signal : Excitation
-        Excitation at full amplitude.
-    begin, end : float
-        Begin of the fade-in and end of the fade-out [s].
-
+    begin, end: begin of the fade-in and end of the fade-out [s]
     """
 
     def __init__(self, signal: Excitation, begin: float, end: float) -> None:
@@ -83,11 +65,7 @@ class Builder:
         """
         Stay in place.
 
-        Parameters
-        ----------
-        duration : float
-            Duration [s].
-
+        duration: duration [s]
         """
         self.go(self._x, duration)
 
@@ -95,15 +73,8 @@ class Builder:
         """
         Move to a position along a quintic.
 
-        Parameters
-        ----------
-        position : float
-            Target [m].
-        duration : float
-            Duration [s]; extended where the speed would exceed 0.2 m/s.
-        excitation : Excitation, optional
-            Added to the position.
-
+        position: target [m]
+        duration: duration [s]; extended where the speed would exceed 0.2 m/s
         """
         duration = max(duration, 1.875 * abs(position - self._x) / _MAX_SPEED)
         self._segments.append(Segment(duration, position, position_excitation=excitation))
@@ -113,13 +84,8 @@ class Builder:
         """
         Press into the surface.
 
-        Parameters
-        ----------
-        level : float
-            Fraction of the reach, 1 for all of it.
-        duration : float
-            Duration [s], as for `go`.
-
+        level: fraction of the reach, 1 for all of it
+        duration: duration [s], as for `go`
         """
         self.go(self._stage.surface + level * self._stage.reach, duration)
 
@@ -127,13 +93,8 @@ class Builder:
         """
         Stay in place with excitation.
 
-        Parameters
-        ----------
-        duration : float
-            Duration [s].
-        signal : Excitation
-            Faded in and out, unless it is a binary sequence.
-
+        duration: duration [s]
+        signal: faded in and out, unless it is a binary sequence
         """
         end = self._t + duration
         if not isinstance(signal, PseudoRandomBinary):
@@ -144,11 +105,7 @@ class Builder:
         """
         Move back to the rest position.
 
-        Parameters
-        ----------
-        duration : float
-            Duration [s], as for `go`.
-
+        duration: duration [s], as for `go`
         """
         self.go(self._stage.rest, duration)
 

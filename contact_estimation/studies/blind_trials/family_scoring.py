@@ -19,74 +19,32 @@ RIGHT, WRONG, SILENT, FAILED = 'right', 'wrong', 'silent', 'failed'
 
 @dataclass(frozen=True)
 class NamedEffect:
-    """
-    One name of a report.
+    """One name of a report."""
 
-    Attributes
-    ----------
-    name : str
-        Key of EFFECTS.
-    probability : float
-        As reported.
-    right : bool
-        The name or one of its `indistinguishable_from` is of an acceptable family.
-
-    """
-
-    name: str
-    probability: float
-    right: bool
+    name: str  # key of EFFECTS
+    probability: float  # as reported
+    right: bool  # the name or one of its `indistinguishable_from` is of an acceptable family
 
 
 @dataclass(frozen=True)
 class FamilyScore:
-    """
-    Score of one report.
+    """Score of one report."""
 
-    Attributes
-    ----------
-    trial : str
-        Name of the trial.
-    law : str
-        True law; '' in a clean world.
-    families : list of str
-        Acceptable families; empty for a clean world and for a law that no effect describes.
-    stage : str
-        Kind of experiment.
-    concealed : float
-        Degree by which the law stands out.
-    verdict : str
-        Verdict of the report; '' without a report.
-    names : list of NamedEffect
-        Reported effects, in order, without neutral ones.
-    outcome : str
-        RIGHT, WRONG, SILENT or FAILED; any name is wrong where no family is acceptable.
-    surplus : bool
-        A name besides the first is not acceptable.
-    port_right : bool or None
-        The port of the location is the true one; None in a clean world.
-    overlap : float or None
-        Intersection over union of true and reported intervals; None where a family is acceptable.
-    error : str
-        Error message of the command; '' on success.
-    seconds : float
-        Run time of the diagnosis [s].
-
-    """
-
-    trial: str
-    law: str
+    trial: str  # name of the trial
+    law: str  # True law; '' in a clean world
+    # acceptable families; empty for a clean world and for a law that no effect describes
     families: list[str]
-    stage: str
-    concealed: float
-    verdict: str
-    names: list[NamedEffect]
-    outcome: str
-    surplus: bool
-    port_right: bool | None
+    stage: str  # kind of experiment
+    concealed: float  # degree by which the law stands out
+    verdict: str  # verdict of the report; '' without a report
+    names: list[NamedEffect]  # reported effects, in order, without neutral ones
+    outcome: str  # RIGHT, WRONG, SILENT or FAILED; any name is wrong where no family is acceptable
+    surplus: bool  # a name besides the first is not acceptable
+    port_right: bool | None  # the port of the location is the true one; None in a clean world
+    # intersection over union of true and reported intervals; None where a family is acceptable
     overlap: float | None
-    error: str
-    seconds: float
+    error: str  # error message of the command; '' on success
+    seconds: float  # run time of the diagnosis [s]
 
     @property
     def kind(self) -> str:
@@ -148,11 +106,7 @@ def overlap_of(reported: Sequence[Sequence[float]], true: Sequence[Sequence[floa
     """
     Compute intersection over union of two lists of disjoint intervals.
 
-    Parameters
-    ----------
-    reported, true : sequence of (float, float)
-        Intervals [s].
-
+    reported, true: intervals [s]
     """
     both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)
     each = sum(b - a for intervals in (reported, true) for a, b in intervals)

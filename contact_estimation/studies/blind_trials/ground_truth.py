@@ -19,15 +19,7 @@ def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
     """
     Collect the ground truth of a trial.
 
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    run : Run
-        Its simulation at TRUTH_HZ.
-    force_floor : float
-        RMS of the recorded force noise [N].
-
+    force_floor: RMS of the recorded force noise [N]
     """
     world, effect = trial.world, EFFECTS.get(trial.effect)
     effects = [] if effect is None else [

@@ -26,43 +26,19 @@ INTEGRATION_HZ = 10000.0
 
 
 class StampedSignal(NamedTuple):
-    """
-    One recorded signal.
+    """One recorded signal."""
 
-    Attributes
-    ----------
-    stamps : ndarray of int, shape (N,)
-        Time since the first sample, increasing [ns].
-    values : ndarray, shape (N, ...)
-        Measured values.
-
-    """
-
-    stamps: NDArray[np.int64]
-    values: Array
+    stamps: NDArray[np.int64]  # (N,) time since the first sample, increasing [ns]
+    values: Array  # (N, ...) measured values
 
 
 class Measurement(NamedTuple):
-    """
-    Recorded signals of a world.
+    """Recorded signals of a world."""
 
-    Attributes
-    ----------
-    force : StampedSignal
-        F_e [N].
-    joint : StampedSignal
-        Columns x [m] and its rate [m/s].
-    reference : StampedSignal
-        Columns x_r, its rate and acceleration.
-    force_floor : float
-        RMS of the force noise, rounding included [N].
-
-    """
-
-    force: StampedSignal
-    joint: StampedSignal
-    reference: StampedSignal
-    force_floor: float
+    force: StampedSignal  # F_e [N]
+    joint: StampedSignal  # columns x [m] and its rate [m/s]
+    reference: StampedSignal  # columns x_r, its rate and acceleration
+    force_floor: float  # RMS of the force noise, rounding included [N]
 
 
 def measure(run: Run, sensors: SensorModel, rng: Generator) -> Measurement:

@@ -15,29 +15,13 @@ DEGREES = ((1.0, 1.6), (1.6, 2.1), (2.1, 2.9), (2.9, 4.2), (4.2, float('inf')))
 
 
 class Metric(NamedTuple):
-    """
-    One number of a study.
+    """One number of a study."""
 
-    Attributes
-    ----------
-    name : str
-        Meaning and unit.
-    value : float or None
-        None where the metric applies to no trial.
-    samples : int
-        Number of trials (or parameters) covered.
-    limit : float or None
-        Required value; None: for information.
-    at_least : bool
-        Whether `limit` is a minimum, else a maximum.
-
-    """
-
-    name: str
-    value: float | None
-    samples: int
-    limit: float | None
-    at_least: bool
+    name: str  # meaning and unit
+    value: float | None  # None where the metric applies to no trial
+    samples: int  # number of trials (or parameters) covered
+    limit: float | None  # required value; None: for information
+    at_least: bool  # whether `limit` is a minimum, else a maximum
 
     @property
     def met(self) -> bool | None:

@@ -18,49 +18,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Nuisances:
-    """
-    Small departures from the ideal world.
+    """Small departures from the ideal world."""
 
-    Attributes
-    ----------
-    bias : float
-        Residue of gravity compensation on the force [N].
-    cable : float
-        Stiffness of the cable that pulls at the sensor [N/m].
-    hum, hum_frequency : float
-        Amplitude [N] and frequency [Hz] of mains hum on the force.
-    colour, colour_corner : float
-        Standard deviation [N] and corner [Hz] of coloured force noise.
-    cubic : float
-        Relative change of the elastic force at the largest depth.
-    robot_friction : float
-        Friction of the joint [N].
-
-    """
-
-    bias: float
-    cable: float
+    bias: float  # residue of gravity compensation on the force [N]
+    cable: float  # stiffness of the cable that pulls at the sensor [N/m]
+    # hum, hum_frequency: amplitude [N] and frequency [Hz] of mains hum on the force
     hum: float
     hum_frequency: float
+    # colour, colour_corner: standard deviation [N] and corner [Hz] of coloured force noise
     colour: float
     colour_corner: float
-    cubic: float
-    robot_friction: float
+    cubic: float  # relative change of the elastic force at the largest depth
+    robot_friction: float  # friction of the joint [N]
 
 
 def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nuisances:
     """
     Draw the nuisances of a rig.
 
-    Parameters
-    ----------
-    force, travel : float
-        Range of force [N] and position [m].
-    noise : float
-        Standard deviation of the white force noise [N].
-    rng : numpy.random.Generator
-        Random generator.
-
+    force, travel: range of force [N] and position [m]
+    noise: standard deviation of the white force noise [N]
     """
     drawn = (
         force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
@@ -77,20 +54,8 @@ def disturbed(
     """
     Add bias, cable, hum and coloured noise to a force.
 
-    Parameters
-    ----------
-    t, x, force : ndarray, shape (N,)
-        Time, evenly spaced [s], position [m] and measured force [N].
-    nuisances : Nuisances
-        Their sizes.
-    rng : numpy.random.Generator
-        Random generator of the coloured noise.
-
-    Returns
-    -------
-    force : ndarray, shape (N,)
-        Force before filter, white noise and rounding [N].
-
+    t, x, force (N,): time, evenly spaced [s], position [m] and measured force [N]
+    Returns force (N,): force before filter, white noise and rounding [N]
     """
     n, rate = nuisances, 1.0 / float(t[1] - t[0])
     fade = float(np.exp(-2.0 * pi * min(n.colour_corner, 0.2 * rate) / rate))

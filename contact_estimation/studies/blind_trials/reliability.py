@@ -18,27 +18,14 @@ PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
 
 
 class Reliability(NamedTuple):
-    """
-    One bin of the reliability table.
+    """One bin of the reliability table."""
 
-    Attributes
-    ----------
-    low, high : float
-        Range of the reported probability; the last bin includes its end.
-    names : int
-        Number of names given with such a probability.
-    mean : float or None
-        Mean probability given; None without names.
-    share_right : float or None
-        Share of the names of an acceptable family.
-
-    """
-
+    # low, high: range of the reported probability; the last bin includes its end
     low: float
     high: float
-    names: int
-    mean: float | None
-    share_right: float | None
+    names: int  # number of names given with such a probability
+    mean: float | None  # mean probability given; None without names
+    share_right: float | None  # share of the names of an acceptable family
 
 
 def reliability(scores: Sequence[FamilyScore]) -> list[Reliability]:

@@ -28,35 +28,15 @@ _BEND_M = 1e-5  # elastic motion before the friction of the robot slips
 
 @dataclass(frozen=True)
 class Rig:
-    """
-    A world with the nuisances of a laboratory.
+    """A world with the nuisances of a laboratory."""
 
-    Attributes
-    ----------
-    stage : str
-        Kind of experiment: 'press', 'specimen', 'slow' or 'drive'.
-    wall : WallParameters
-        True K_e, B_e, x_e and M_e; attached except when pressing.
-    robot : RobotParameters or None
-        True robot; None: the experiment prescribes the position.
-    sensors : SensorModel
-        Sensors of the recording.
-    experiment : Experiment
-        Commanded or prescribed motion.
-    nuisances : Nuisances
-        Small departures, of unknown size to the diagnosis.
-    depth : float
-        Planned largest penetration [m].
-
-    """
-
-    stage: str
-    wall: WallParameters
-    robot: RobotParameters | None
-    sensors: SensorModel
-    experiment: Experiment
-    nuisances: Nuisances
-    depth: float
+    stage: str  # kind of experiment: 'press', 'specimen', 'slow' or 'drive'
+    wall: WallParameters  # True K_e, B_e, x_e and M_e; attached except when pressing
+    robot: RobotParameters | None  # True robot; None: the experiment prescribes the position
+    sensors: SensorModel  # sensors of the recording
+    experiment: Experiment  # commanded or prescribed motion
+    nuisances: Nuisances  # small departures, of unknown size to the diagnosis
+    depth: float  # planned largest penetration [m]
 
 
 class _Motion(NamedTuple):
@@ -71,17 +51,8 @@ def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) 
     """
     Simulate the experiment of a rig.
 
-    Parameters
-    ----------
-    rig : Rig
-        The rig.
-    law : ForeignLaw or None
-        The law that it obeys besides; None: no law.
-    rate : float
-        Rate of the integration steps and of the result [Hz].
-    rng : numpy.random.Generator
-        Random generator of the coloured noise.
-
+    law: the law that it obeys besides; None: no law
+    rate: rate of the integration steps and of the result [Hz]
     """
     t, planned = planned_motion(rig.experiment, rate)
     if rig.robot is None:
@@ -103,20 +74,9 @@ def planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
     """
     Sample the motion of an experiment.
 
-    Parameters
-    ----------
-    experiment : Experiment
-        Setpoints against time.
-    rate : float
-        Sample rate [Hz].
-
-    Returns
-    -------
-    t : ndarray, shape (N,)
-        Time, evenly spaced from 0 [s].
-    motion : ndarray, shape (N, 3)
-        Position [m] and its derivatives [m/s], [m/s^2].
-
+    rate: sample rate [Hz]
+    Returns t (N,): time, evenly spaced from 0 [s]
+    Returns motion (N, 3): position [m] and its derivatives [m/s], [m/s^2]
     """
     t: Array = np.arange(int(experiment.duration * rate + 1e-6) + 1) / rate
     coarse: Array = t if rate <= _COMMAND_HZ else np.arange(
@@ -199,7 +159,6 @@ def _pressed(
 
     Forces are evaluated once a step, at its middle, with the velocity extrapolated to there: laws
     with memory (relays, sliders) have no rates that a Runge-Kutta method could evaluate.
-
     """
     h = float(t[1])
     received = law.follow(t, planned) if isinstance(law, RobotLaw) else planned

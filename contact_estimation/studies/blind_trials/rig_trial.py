@@ -41,29 +41,13 @@ _ROBOT_HZ = 15.0  # corner of the filter of the residual of eq. (1)
 
 @dataclass(frozen=True)
 class RigTrial:
-    """
-    Everything drawn for one trial on a rig.
+    """Everything drawn for one trial on a rig."""
 
-    Attributes
-    ----------
-    rig : Rig
-        True world without the law.
-    law : str
-        Key of ALL_LAWS; '' in a clean world.
-    values : mapping
-        Parameters of the law.
-    nominal : WallParameters
-        Wall of the nominal model.
-    degree : float
-        How many times the misfit of a spring-damper exceeds that without the law.
-
-    """
-
-    rig: Rig
-    law: str
-    values: Values
-    nominal: WallParameters
-    degree: float
+    rig: Rig  # True world without the law
+    law: str  # key of ALL_LAWS; '' in a clean world
+    values: Values  # parameters of the law
+    nominal: WallParameters  # wall of the nominal model
+    degree: float  # how many times the misfit of a spring-damper exceeds that without the law
 
     def make_law(self) -> ForeignLaw | None:
         """Return the law with its parameters."""
@@ -128,11 +112,7 @@ def integration_rate(rig: Rig, final: bool = True) -> float:
     """
     Return the rate of integration steps, a multiple of the sample rate.
 
-    Returns
-    -------
-    rate : float
-        Steps per second [Hz].
-
+    Returns rate: steps per second [Hz]
     """
     rate = rig.sensors.rate
     if rig.stage == 'slow':
@@ -187,12 +167,8 @@ def rig_residual(port: str, rig: Rig, run: Run) -> Array:
     """
     Compute the residual in which a law at a port shows.
 
-    Returns
-    -------
-    residual : ndarray, shape (N,)
-        Of eq. (1) below 15 Hz at the robot, else of a refitted spring-damper (and mass, if the
-        world has one) [N]; NaN where it is not defined.
-
+    Returns residual (N,): of eq. (1) below 15 Hz at the robot, else of a refitted spring-damper
+    (and mass, if the world has one) [N]; NaN where it is not defined.
     """
     a = np.gradient(run.v, run.t)
     if port == 'robot' and rig.robot is not None:
@@ -224,15 +200,7 @@ def rig_truth(trial: RigTrial, run: Run, force_floor: float) -> dict[str, Any]:
     """
     Collect the ground truth of a trial on a rig.
 
-    Parameters
-    ----------
-    trial : RigTrial
-        The trial.
-    run : Run
-        Its final simulation.
-    force_floor : float
-        RMS of the recorded white noise [N].
-
+    force_floor: RMS of the recorded white noise [N]
     """
     rig = trial.rig
     cls = ALL_LAWS.get(trial.law)

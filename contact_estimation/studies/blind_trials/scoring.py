@@ -16,72 +16,33 @@ _CLEAN_VERDICTS = ('consistent', 'recalibrate')
 
 @dataclass(frozen=True)
 class Score:
-    """
-    Score of one report; None where a criterion does not apply.
+    """Score of one report; None where a criterion does not apply."""
 
-    Attributes
-    ----------
-    trial : str
-        Name of the trial.
-    effect : str
-        True effect; '' in a clean world.
-    concealed : float
-        Degree of concealment.
-    verdict : str
-        Verdict of the report; '' without a report.
-    verdict_right : bool
-        The verdict equals that of the truth.
-    names : list of str
-        Names of the reported effects, in order.
-    alternatives : list of str
-        `indistinguishable_from` of the first reported effect.
-    found : bool or None
-        True positive: the true effect is the first name or among its alternatives.
-    found_alone : bool or None
-        The true effect is the only name, without alternatives.
-    extra_names : bool or None
-        More effects are reported than the world has.
-    false_alarm : bool or None
-        An effect or missing physics is reported in a clean world.
-    parameter_errors : dict of str to float
-        |estimate - true| relative to the true distance from "no effect" [%].
-    force_ratio : float or None
-        Held-out force error of the corrected model over the true noise floor.
-    floor_error : float or None
-        Error of the reported noise floor, signed [%].
-    stiffness_error, damping_error : float or None
-        Errors of the corrected model, signed [%]; None where truth or model has no value.
-    base_right : bool
-        The corrected model has K_e and B_e exactly where the truth has them.
-    features : dict of str to str
-        Properties of experiment and sensors, for grouping.
-    error : str
-        Error message of the command; '' on success.
-    seconds : float
-        Run time of the diagnosis [s].
-
-    """
-
-    trial: str
-    effect: str
-    concealed: float
-    verdict: str
-    verdict_right: bool
-    names: list[str]
-    alternatives: list[str]
+    trial: str  # name of the trial
+    effect: str  # True effect; '' in a clean world
+    concealed: float  # degree of concealment
+    verdict: str  # verdict of the report; '' without a report
+    verdict_right: bool  # the verdict equals that of the truth
+    names: list[str]  # names of the reported effects, in order
+    alternatives: list[str]  # `indistinguishable_from` of the first reported effect
+    # True positive: the true effect is the first name or among its alternatives
     found: bool | None
-    found_alone: bool | None
-    extra_names: bool | None
-    false_alarm: bool | None
+    found_alone: bool | None  # the true effect is the only name, without alternatives
+    extra_names: bool | None  # more effects are reported than the world has
+    false_alarm: bool | None  # an effect or missing physics is reported in a clean world
+    # |estimate - true| relative to the true distance from "no effect" [%]
     parameter_errors: dict[str, float]
+    # held-out force error of the corrected model over the true noise floor
     force_ratio: float | None
-    floor_error: float | None
+    floor_error: float | None  # error of the reported noise floor, signed [%]
+    # stiffness_error, damping_error: errors of the corrected model, signed [%]; None where truth
+    # or model has no value
     stiffness_error: float | None
     damping_error: float | None
-    base_right: bool
-    features: dict[str, str]
-    error: str
-    seconds: float
+    base_right: bool  # the corrected model has K_e and B_e exactly where the truth has them
+    features: dict[str, str]  # properties of experiment and sensors, for grouping
+    error: str  # error message of the command; '' on success
+    seconds: float  # run time of the diagnosis [s]
 
     @property
     def answer(self) -> str:

@@ -24,27 +24,15 @@ SEARCH_HZ = 2000.0
 
 
 class Run(NamedTuple):
-    """
-    True signals of a world, all of shape (N,).
+    """True signals of a world, all of shape (N,)."""
 
-    Attributes
-    ----------
-    t : ndarray
-        Time, evenly spaced [s].
-    x, v, force : ndarray
-        Position [m] and velocity [m/s] of the end-effector, and F_e [N].
-    sensed : ndarray
-        F_e after the effects at the force sensor [N].
-    x_r, v_r, a_r : ndarray
-        Reference [m], [m/s], [m/s^2].
-
-    """
-
-    t: Array
+    t: Array  # time, evenly spaced [s]
+    # x, v, force: position [m] and velocity [m/s] of the end-effector, and F_e [N]
     x: Array
     v: Array
     force: Array
-    sensed: Array
+    sensed: Array  # F_e after the effects at the force sensor [N]
+    # x_r, v_r, a_r: reference [m], [m/s], [m/s^2]
     x_r: Array
     v_r: Array
     a_r: Array
@@ -56,17 +44,9 @@ def simulate(
     """
     Simulate the experiment of a world.
 
-    Parameters
-    ----------
-    world : RandomWorld
-        World without the effect.
-    physics : mapping
-        Effect parameters by dotted name, such as coulomb_friction.F_c. Empty: no effect.
-    rate : float
-        Sample rate of the result [Hz].
-    integration_rate : float
-        Minimum integration rate [Hz].
-
+    physics: effect parameters by dotted name, such as coulomb_friction.F_c. Empty: no effect.
+    rate: sample rate of the result [Hz]
+    integration_rate: minimum integration rate [Hz]
     """
     experiment = world.experiment
     parameters = build(PlantParameters, {

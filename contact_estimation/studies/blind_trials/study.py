@@ -32,43 +32,20 @@ _EVERY_CLEAN = 9
 
 
 class PlannedTrial(NamedTuple):
-    """
-    A trial of the plan, not drawn yet.
+    """A trial of the plan, not drawn yet."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the files; it does not reveal the effect.
-    effect : str
-        Key of EFFECTS or of ALL_LAWS; '' for a clean world.
-    seed : tuple of int
-        Seed of all random draws of the trial.
-    on_rig : bool
-        Whether on a rig with nuisances, else in a world that obeys the library's laws exactly.
-
-    """
-
-    name: str
-    effect: str
-    seed: tuple[int, int, int]
+    name: str  # name of the files; it does not reveal the effect
+    effect: str  # key of EFFECTS or of ALL_LAWS; '' for a clean world
+    seed: tuple[int, int, int]  # seed of all random draws of the trial
+    # whether on a rig with nuisances, else in a world that obeys the library's laws exactly
     on_rig: bool = False
 
 
 class Scores(NamedTuple):
-    """
-    Scores of a study.
+    """Scores of a study."""
 
-    Attributes
-    ----------
-    exact : list of Score
-        Of worlds that obey the library's laws.
-    on_rigs : list of FamilyScore
-        Of rigs with nuisances, by family.
-
-    """
-
-    exact: list[Score]
-    on_rigs: list[FamilyScore]
+    exact: list[Score]  # of worlds that obey the library's laws
+    on_rigs: list[FamilyScore]  # of rigs with nuisances, by family
 
 
 def plan_study(

@@ -34,29 +34,13 @@ _MIN_CONTACT_S = 2.0
 
 @dataclass(frozen=True)
 class Trial:
-    """
-    Everything drawn for one trial.
+    """Everything drawn for one trial."""
 
-    Attributes
-    ----------
-    world : RandomWorld
-        True world without the effect.
-    effect : str
-        Key of EFFECTS; '' in a clean world.
-    values : mapping
-        Parameters of the effect.
-    nominal : WallParameters
-        Wall of the nominal model.
-    requested_degree : float
-        Requested degree of concealment; 1 in a clean world.
-
-    """
-
-    world: RandomWorld
-    effect: str
-    values: Values
-    nominal: WallParameters
-    requested_degree: float
+    world: RandomWorld  # True world without the effect
+    effect: str  # key of EFFECTS; '' in a clean world
+    values: Values  # parameters of the effect
+    nominal: WallParameters  # wall of the nominal model
+    requested_degree: float  # requested degree of concealment; 1 in a clean world
 
     @property
     def physics(self) -> Values:

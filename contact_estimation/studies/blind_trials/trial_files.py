@@ -29,24 +29,13 @@ _TRANSPORT_NS = 150_000  # from stamp to log time
 
 
 class TrialFiles(NamedTuple):
-    """
-    Paths of the files of a trial.
+    """Paths of the files of a trial."""
 
-    Attributes
-    ----------
-    recording, nominal : Path
-        Input of the diagnosis.
-    report : Path
-        Report of the diagnosis.
-    truth : Path
-        Ground truth, in a folder that the diagnosis does not know.
-
-    """
-
+    # recording, nominal: input of the diagnosis
     recording: Path
     nominal: Path
-    report: Path
-    truth: Path
+    report: Path  # report of the diagnosis
+    truth: Path  # ground truth, in a folder that the diagnosis does not know
 
     @classmethod
     def of(cls, folder: Path, name: str) -> 'TrialFiles':
@@ -71,7 +60,6 @@ def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
     Simulate a trial on a rig and write recording, nominal model and, last, the ground truth.
 
     An attached specimen has no robot, and its recording no reference.
-
     """
     rig = trial.rig
     run = simulate_rig(rig, trial.make_law(), integration_rate(rig), rng)

@@ -19,44 +19,24 @@ from ...reference.experiment import Experiment
 
 @dataclass(frozen=True)
 class SensorModel:
-    """
-    Sampling, noise, quantisation, filtering and timing errors of the recording.
+    """Sampling, noise, quantisation, filtering and timing errors of the recording."""
 
-    Attributes
-    ----------
-    rate : float
-        Sample rate of all three signals [Hz].
-    force_noise, position_noise : float
-        Standard deviations [N], [m].
-    distribution : str
-        Force noise: 'normal' or 'uniform'.
-    force_step, position_step : float
-        Quantisation steps [N], [m]; 0: none.
-    velocity_noise : float or None
-        Standard deviation [m/s]; None: velocity is not recorded.
-    low_pass : float
-        Cut-off of the force sensor's anti-alias filter [Hz]; the driver subtracts the filter's
-        delay from the stamps. 0: no filter.
-    jitter : float
-        Standard deviation of the stamps [s].
-    joint_phase : float
-        Delay of the position samples after the force samples, in sample periods.
-    dropped : float
-        Fraction of dropped samples.
-
-    """
-
-    rate: float = 500.0
+    rate: float = 500.0  # sample rate of all three signals [Hz]
+    # force_noise, position_noise: standard deviations [N], [m]
     force_noise: float = 0.3
     position_noise: float = 3e-6
-    distribution: str = 'normal'
+    distribution: str = 'normal'  # force noise: 'normal' or 'uniform'
+    # force_step, position_step: quantisation steps [N], [m]; 0: none
     force_step: float = 0.0
     position_step: float = 1e-6
-    velocity_noise: float | None = 3e-4
+    velocity_noise: float | None = 3e-4  # standard deviation [m/s]; None: velocity is not recorded
+    # cut-off of the force sensor's anti-alias filter [Hz]; the driver subtracts the filter's delay
+    # from the stamps. 0: no filter.
     low_pass: float = 0.0
-    jitter: float = 0.0
+    jitter: float = 0.0  # standard deviation of the stamps [s]
+    # delay of the position samples after the force samples, in sample periods
     joint_phase: float = 0.0
-    dropped: float = 0.0
+    dropped: float = 0.0  # fraction of dropped samples
 
     @property
     def force_std(self) -> float:
@@ -71,29 +51,13 @@ class SensorModel:
 
 @dataclass(frozen=True)
 class RandomWorld:
-    """
-    A world in which the spring-damper model is complete.
+    """A world in which the spring-damper model is complete."""
 
-    Attributes
-    ----------
-    wall : WallParameters
-        True K_e, B_e and x_e.
-    robot : RobotParameters
-        True M_t, B_t and K_t.
-    sensors : SensorModel
-        Sensors of the recording.
-    experiment : Experiment
-        Commanded motion.
-    depth : float
-        Planned maximum penetration [m].
-
-    """
-
-    wall: WallParameters
-    robot: RobotParameters
-    sensors: SensorModel
-    experiment: Experiment
-    depth: float
+    wall: WallParameters  # True K_e, B_e and x_e
+    robot: RobotParameters  # True M_t, B_t and K_t
+    sensors: SensorModel  # sensors of the recording
+    experiment: Experiment  # commanded motion
+    depth: float  # planned maximum penetration [m]
 
 
 def draw_world(rng: Generator) -> RandomWorld:

@@ -18,7 +18,6 @@ class AsymmetricCoulomb(ContactLaw):
 
     R' = stiffness v within -F_out <= R <= F_in.
     Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30(7), 1994.
-
     """
 
     families = ('friction',)

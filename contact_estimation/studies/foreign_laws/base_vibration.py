@@ -20,7 +20,6 @@ class BaseVibration(ContactLaw):
     x_e = a sum of 12 sines of equal amplitude between 0.5 and 2 times `frequency`, with random
     phases.
     Shinozuka and Deodatis, Applied Mechanics Reviews 44(4), 1991 (spectral representation).
-
     """
 
     stages = ('press',)

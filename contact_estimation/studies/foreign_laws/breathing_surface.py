@@ -18,7 +18,6 @@ class BreathingSurface(ContactLaw):
 
     x_e = amplitude cos^(2 n)(pi frequency t + phase).
     Lujan, Larsen, Balter and Ten Haken, Medical Physics 26(5), 1999.
-
     """
 
     families = ('wall_motion',)

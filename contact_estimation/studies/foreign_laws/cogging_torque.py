@@ -18,7 +18,6 @@ class CoggingTorque(RobotLaw):
 
     Force amplitude sin(2 pi x / pitch) beside that of the drives.
     Jahns and Soong, IEEE Trans. Industrial Electronics 43(2), 1996 (cogging).
-
     """
 
     @classmethod

@@ -19,7 +19,6 @@ class CrossTalk(SensorLaw):
 
     y = F_e + gain (sum of 6 sines between 0.1 and 2 Hz, random in phase).
     Siciliano and Khatib, Springer Handbook of Robotics, 2016 (multi-axis force sensors).
-
     """
 
     stages = ('press', 'specimen', 'drive')

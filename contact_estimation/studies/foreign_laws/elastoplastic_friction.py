@@ -20,7 +20,6 @@ class ElastoplasticFriction(ContactLaw):
     R = sigma_0 z + sigma_1 z', z' = v (1 - alpha(z, v) z / z_ss) with z_ss = F_c / sigma_0; alpha
     is 0 below z_ba, rises as a half sine to 1 at z_ss, and is 0 where v unloads the bristles.
     Dupont, Hayward, Armstrong and Altpeter, IEEE Trans. Automatic Control 47(5), 2002.
-
     """
 
     families = ('friction', 'hysteresis')

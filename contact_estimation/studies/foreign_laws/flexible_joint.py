@@ -19,7 +19,6 @@ class FlexibleJoint(RobotLaw):
     Motor: (M_t - m) x'' = u - k (x - y) - c (x' - y').
     Link: m y'' = k (x - y) + c (x' - y') + F_e.
     Spong, J. Dynamic Systems, Measurement, and Control 109(4), 1987.
-
     """
 
     families = ('robot', 'inertia', 'timing', 'relaxation')

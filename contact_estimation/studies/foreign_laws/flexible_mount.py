@@ -18,7 +18,6 @@ class FlexibleMount(SensorLaw):
 
     m y'' = k (x - y) + c (x' - y') + F_e(y, y'), F_e measured at the tip.
     Eppinger and Seering, IEEE Control Systems Magazine 7(2), 1987 (tool compliance).
-
     """
 
     families = ('timing', 'relaxation', 'inertia')

@@ -19,7 +19,6 @@ class FoamPlateau(ContactLaw):
 
     R = K (yield tanh(d / yield) + densified (d / depth)^n), the share of a linear spring fading.
     Gibson and Ashby, Cellular Solids, 1997; Rusch, J. Applied Polymer Science 13, 1969.
-
     """
 
     families = ('elastic_law',)

@@ -19,7 +19,6 @@ class ForceRipple(ContactLaw):
 
     R = amplitude sin(2 pi d / wavelength).
     Jahns and Soong, IEEE Trans. Industrial Electronics 43(2), 1996 (cogging).
-
     """
 
     stages = ('press', 'specimen', 'drive')

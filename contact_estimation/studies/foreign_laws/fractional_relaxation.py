@@ -23,7 +23,6 @@ class FractionalRelaxation(ContactLaw):
     D^alpha d(t) = h^-alpha sum_k (-1)^k binom(alpha, k) d(t - k h), over the whole past.
     Podlubny, Fractional Differential Equations, 1999; Bonfanti et al., Soft Matter 16,
     2020.
-
     """
 
     families = ('relaxation',)
@@ -67,11 +66,7 @@ def gruenwald_weights(alpha: float, count: int) -> Array:
     """
     Return (-1)^k binom(alpha, k).
 
-    Returns
-    -------
-    weights : ndarray, shape (count,)
-        The first is 1.
-
+    Returns weights (count,): the first is 1
     """
     k = np.arange(1, count)
     return np.asarray(np.cumprod(np.concatenate(([1.0], 1.0 - (alpha + 1.0) / k))))

@@ -19,7 +19,6 @@ class FungElasticity(ContactLaw):
 
     R = K (exp(b d) - 1) / b in place of K_e d.
     Fung, American J. Physiology 213(6), 1967.
-
     """
 
     families = ('elastic_law',)

@@ -19,7 +19,6 @@ class JankowskiPounding(ContactLaw):
 
     R = c sqrt(d) v for v > 0, else 0, in place of B_e v.
     Jankowski, Earthquake Engineering and Structural Dynamics 34(6), 2005.
-
     """
 
     families = ('damping_law',)

@@ -24,7 +24,6 @@ class JkrAdhesion(ContactLaw):
     K_e d: touching starts at d = 0 and ends at d = -reach with 5/9 of the greatest pull.
     Johnson, Kendall and Roberts, Proc. Royal Society A 324, 1971; in the form of Marshall, J.
     Computational Physics 228(5), 2009.
-
     """
 
     families = ('adhesion', 'elastic_law')

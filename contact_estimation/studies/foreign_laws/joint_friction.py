@@ -18,7 +18,6 @@ class JointFriction(RobotLaw):
 
     Friction F_c (1 + wave sin(2 pi x / pitch)) against the motion, reached over a short bend.
     Armstrong-Helouvry, Control of Machines with Friction, 1991 (position dependence).
-
     """
 
     families = ('robot',)

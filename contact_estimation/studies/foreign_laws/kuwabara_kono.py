@@ -20,7 +20,6 @@ class KuwabaraKono(ContactLaw):
     R = c sqrt(abs(d)) v in place of B_e v.
     Kuwabara and Kono, Japanese J. Applied Physics 26(8), 1987; Brilliantov et al., Physical
     Review E 53(5), 1996.
-
     """
 
     families = ('damping_law',)

@@ -20,22 +20,11 @@ def filtered(
     """
     Filter a signal by a transfer function of s, discretised by the trapezoidal rule.
 
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Signal.
-    dt : float
-        Sample period [s].
-    numerator, denominator : sequence of float
-        Coefficients of the powers of s, highest first.
-    origin : float
-        Value of the signal before the first sample, at which the filter rests.
-
-    Returns
-    -------
-    values : ndarray, shape (N,)
-        Filtered signal.
-
+    values (N,): signal
+    dt: sample period [s]
+    numerator, denominator: coefficients of the powers of s, highest first
+    origin: value of the signal before the first sample, at which the filter rests
+    Returns values (N,): filtered signal
     """
     b, a = bilinear(numerator, denominator, 1.0 / dt)
     rest = origin * numerator[-1] / denominator[-1]

@@ -17,7 +17,6 @@ class LoadCellCreep(SensorLaw):
 
     y = F_e + share (F_e low-passed by 1 / (tau s + 1)).
     Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997.
-
     """
 
     families = ('relaxation',)

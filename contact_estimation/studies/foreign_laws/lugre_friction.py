@@ -21,7 +21,6 @@ class LuGreFriction(ContactLaw):
     g(v) = F_c + (F_s - F_c) exp(-(v / v_s)^2).
     Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Trans. Automatic Control 40(3), 1995. The
     law of Bouc and Wen contains that of Dahl, which this one extends.
-
     """
 
     families = ('friction', 'hysteresis')

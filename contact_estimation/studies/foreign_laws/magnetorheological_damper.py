@@ -19,7 +19,6 @@ class MagnetorheologicalDamper(ContactLaw):
 
     R = force tanh(v / v_0 + lead tanh(d / x_0)).
     Kwok, Ha, Nguyen, Li and Samali, Sensors and Actuators A 132(2), 2006.
-
     """
 
     families = ('friction', 'hysteresis')

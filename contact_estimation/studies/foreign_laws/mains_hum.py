@@ -20,7 +20,6 @@ class MainsHum(SensorLaw):
     y = F_e + amplitude (sin(omega t) + second sin(2 omega t) + third sin(3 omega t)), each
     with its phase.
     Ott, Electromagnetic Compatibility Engineering, 2009 (grounding).
-
     """
 
     stages = ('press', 'specimen', 'drive')

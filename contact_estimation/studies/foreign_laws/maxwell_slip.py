@@ -19,7 +19,6 @@ class MaxwellSlip(ContactLaw):
     R = sum_i k z_i, z_i follows d within +-w_i; the widths w_i grow geometrically up to `width`.
     Iwan, J. Applied Mechanics 33(4), 1966; Al-Bender, Lampaert and Swevers, IEEE Trans. Automatic
     Control 50(11), 2005.
-
     """
 
     families = ('hysteresis', 'friction')

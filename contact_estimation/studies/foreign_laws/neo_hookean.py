@@ -18,7 +18,6 @@ class NeoHookean(ContactLaw):
 
     R = K L (lambda^-2 - lambda) / 3 in place of K_e d, lambda = 1 - d / L.
     Treloar, The Physics of Rubber Elasticity, 1975.
-
     """
 
     families = ('elastic_law',)

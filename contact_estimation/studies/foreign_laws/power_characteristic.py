@@ -19,7 +19,6 @@ class PowerCharacteristic(SensorLaw):
     Interlink Electronics, FSR Integration Guide, 2010 (resistance of a pressed film).
     On an attached specimen it is the same as a spring that bends: only the motion of a robot,
     which feels the true force, tells the two apart.
-
     """
 
     families = ('sensor_gain',)

@@ -19,7 +19,6 @@ class PowerLawDamper(ContactLaw):
     R = c sgn(v) abs(v)^p, 0 < p < 1, in place of B_e v; linear below `slow`.
     Constantinou and Symans, Structural Design of Tall Buildings 2(2), 1993; Lin and Chopra,
     Earthquake Engineering and Structural Dynamics 31, 2002.
-
     """
 
     families = ('damping_law', 'friction')

@@ -22,7 +22,6 @@ class PreisachHysteresis(ContactLaw):
     E(h) = amplitude (h / w - 1 + exp(-h / w)); a loop that closes is forgotten. The virgin curve
     is E(2 h) / 2.
     Mayergoyz, Mathematical Models of Hysteresis, 1991; Preisach, Z. Physik 94, 1935.
-
     """
 
     families = ('hysteresis', 'friction')

@@ -20,7 +20,6 @@ class PronyRelaxation(ContactLaw):
     R = sum_i s_i, s_i' = K_i v - s_i / tau_i, time constants a factor `spread` apart.
     Wiechert, Annalen der Physik 286, 1893; Tschoegl, Phenomenological Theory of Linear
     Viscoelastic Behavior, 1989.
-
     """
 
     families = ('relaxation',)

@@ -19,7 +19,6 @@ class QuasiLinearViscoelasticity(ContactLaw):
 
     R = sum_i s_i, s_i' = (d/dt) K_i (exp(b d) - 1) / b - s_i / tau_i.
     Fung, Biomechanics: Mechanical Properties of Living Tissues, 1993.
-
     """
 
     families = ('relaxation',)

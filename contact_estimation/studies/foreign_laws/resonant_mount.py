@@ -20,7 +20,6 @@ class ResonantMount(SensorLaw):
     y = r + mass a, r'' + 2 zeta omega r' + omega^2 r = omega^2 (F_e - mass a): the mass on the
     sensor is known and taken off, its ringing is not.
     Eppinger and Seering, IEEE Control Systems Magazine 7(2), 1987 (sensor dynamics).
-
     """
 
     stages = ('press', 'drive')

@@ -19,7 +19,6 @@ class RingingPanel(ContactLaw):
 
     R = sum of m (omega^2 (d - y) + 2 zeta omega (v - y')) = sum of m y''.
     Ewins, Modal Testing, 2000 (residual flexibility and modal masses).
-
     """
 
     families = ('inertia',)

@@ -20,7 +20,6 @@ class RoughSurface(ContactLaw):
     R = K h (log(1 + exp((d - gap) / h)) - log(1 + exp(-gap / h))) in place of K_e d: an
     exponential onset over the roughness h, then a spring from the mean plane at `gap`.
     Greenwood and Williamson, Proc. Royal Society A 295, 1966; Pohrt and Popov, PRL 108, 2012.
-
     """
 
     families = ('clearance', 'elastic_law')

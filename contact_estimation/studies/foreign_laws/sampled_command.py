@@ -17,7 +17,6 @@ class SampledCommand(RobotLaw):
 
     The reference at t is that of delay + period floor((t - delay) / period) - delay.
     Astrom and Wittenmark, Computer-Controlled Systems, 1997 (hold circuits).
-
     """
 
     families = ('timing',)

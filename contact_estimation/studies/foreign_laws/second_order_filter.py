@@ -19,7 +19,6 @@ class SecondOrderFilter(SensorLaw):
 
     y'' + 2 zeta omega y' + omega^2 y = omega^2 F_e.
     Oppenheim and Willsky, Signals and Systems, 1997.
-
     """
 
     families = ('timing',)

@@ -17,7 +17,6 @@ class SettlingBias(SensorLaw):
 
     y = F_e + bias + warm exp(-t / tau).
     Fraden, Handbook of Modern Sensors, 2016 (warm-up time).
-
     """
 
     families = ('sensor_zero',)

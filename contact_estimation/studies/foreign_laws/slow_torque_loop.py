@@ -19,7 +19,6 @@ class SlowTorqueLoop(RobotLaw):
     tau^2 f'' + 2 zeta tau f' + f = u.
     Pratt and Williamson, Proc. IEEE/RSJ Int. Conf. Intelligent Robots and Systems, 1995 (series
     elastic actuators).
-
     """
 
     families = ('timing', 'robot', 'inertia')

@@ -17,7 +17,6 @@ class SoftClipping(SensorLaw):
 
     y = limit tanh(F_e / limit).
     Yeh, Abel and Smith, Proc. Digital Audio Effects, 2007 (saturating amplifiers).
-
     """
 
     families = ('limits', 'sensor_gain', 'elastic_law')

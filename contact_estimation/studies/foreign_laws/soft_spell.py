@@ -18,7 +18,6 @@ class SoftSpell(ContactLaw):
 
     R = -softer d while first < t < last.
     Doebling, Farrar and Prime, Shock and Vibration Digest 30(2), 1998 (loss of stiffness).
-
     """
 
     @classmethod

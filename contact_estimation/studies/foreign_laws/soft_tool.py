@@ -19,7 +19,6 @@ class SoftTool(SensorLaw):
 
     y = F_e - mass (acceleration low-passed at `corner`).
     Garcia, Robertsson, Ortega and Johansson, IEEE Trans. Robotics 24(2), 2008 (tool inertia).
-
     """
 
     families = ('inertia',)

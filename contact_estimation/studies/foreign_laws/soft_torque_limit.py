@@ -16,7 +16,6 @@ class SoftTorqueLimit(RobotLaw):
 
     f = u / (1 + abs(u / limit)^4)^(1/4).
     Krause, Wasynczuk and Sudhoff, Analysis of Electric Machinery, 2002 (saturation).
-
     """
 
     families = ('limits', 'robot')

@@ -19,7 +19,6 @@ class StiffnessRipple(ContactLaw):
 
     R = K_r d sin(2 pi d / wavelength).
     Nayfeh and Mook, Nonlinear Oscillations, 1979 (parametric stiffness).
-
     """
 
     @classmethod

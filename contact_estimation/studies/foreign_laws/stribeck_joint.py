@@ -19,7 +19,6 @@ class StribeckJoint(RobotLaw):
     Friction (F_c + F_s exp(-abs(v / v_s))) sgn(v) + F_v sgn(v) abs(v / v_t)^0.7, sgn(v) smoothed.
     Bona and Indri, Proc. IEEE Conf. Decision and Control, 2005; Bittencourt and
     Gunnarsson, J. Dynamic Systems, Measurement, and Control 134(5), 2012.
-
     """
 
     families = ('robot',)

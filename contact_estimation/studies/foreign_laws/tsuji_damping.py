@@ -19,7 +19,6 @@ class TsujiDamping(ContactLaw):
 
     R = c abs(d)^(1/4) v in place of B_e v.
     Tsuji, Tanaka and Ishida, Powder Technology 71(3), 1992.
-
     """
 
     families = ('damping_law',)

@@ -19,7 +19,6 @@ class WaltonBraun(ContactLaw):
     R = K d while loading; K_u (d - d_0) while unloading and reloading below the greatest depth,
     but not below 0; in place of K_e d. The depth is forgotten when contact is lost.
     Walton and Braun, J. Rheology 30(5), 1986.
-
     """
 
     families = ('hysteresis', 'elastic_law')

@@ -18,7 +18,6 @@ class WarmingSensor(SensorLaw):
     y = F_e (1 + change (1 - exp(-t / tau))).
     Fraden, Handbook of Modern Sensors, 2016 (thermal sensitivity shift). On a specimen it is the
     same as a stiffness that drifts.
-
     """
 
     stages = ('press', 'drive')

@@ -19,7 +19,6 @@ class WarmingWall(ContactLaw):
     R = -softening w d, w' = abs(v) - w / tau.
     Barnes, J. Non-Newtonian Fluid Mechanics 70, 1997 (thixotropy). A specimen that is moved all
     the time warms once: that is a stiffness that drifts.
-
     """
 
     stages = ('press',)

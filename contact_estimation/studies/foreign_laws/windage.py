@@ -16,7 +16,6 @@ class Windage(RobotLaw):
 
     Drag c v abs(v).
     Batchelor, An Introduction to Fluid Dynamics, 1967.
-
     """
 
     families = ('robot',)

@@ -55,7 +55,6 @@ class Errors(NamedTuple):
 
     The bounds follow from all samples that the estimator used, its model and the known force
     noise; motion and, on the testbed, friction count as known.
-
     """
 
     stiffness: float
@@ -70,13 +69,7 @@ class Errors(NamedTuple):
         """
         Compare an estimate with the true values.
 
-        Parameters
-        ----------
-        estimate : Estimate or OfflineEstimate
-            Estimate of K_e and B_e.
-        stiffness_bound, damping_bound : float
-            Cramer-Rao standard deviations [N/m], [N s/m].
-
+        stiffness_bound, damping_bound: cramer-Rao standard deviations [N/m], [N s/m]
         """
         return cls(
             100.0 * (estimate.stiffness / K_E - 1.0), 100.0 * (estimate.damping / B_E - 1.0),
@@ -85,27 +78,16 @@ class Errors(NamedTuple):
 
 @dataclass(frozen=True)
 class Case(ABC):
-    """
-    A case of the table.
-
-    Attributes
-    ----------
-    case : str
-        Name of the case, such as 'simulation_sine'.
-    estimator, law : str
-        Names of estimator and reference law; 'pass_through' is eq. (1) on x_d with eq. (41)
-        instead of eq. (40).
-    variant : str
-        Suffix of the estimator's name in the table; '' for the default tuning.
-
-    """
+    """A case of the table."""
 
     max_runs: ClassVar[int] = sys.maxsize
 
-    case: str
+    case: str  # name of the case, such as 'simulation_sine'
+    # estimator, law: names of estimator and reference law; 'pass_through' is eq. (1) on x_d with
+    # eq. (41) instead of eq. (40).
     estimator: str
     law: str
-    variant: str = ''
+    variant: str = ''  # suffix of the estimator's name in the table; '' for the default tuning
 
     @abstractmethod
     def run(self, seed: int) -> Errors:
@@ -114,23 +96,12 @@ class Case(ABC):
 
 @dataclass(frozen=True)
 class OnlineCase(Case):
-    """
-    An on-line estimator in the closed loop.
+    """An on-line estimator in the closed loop."""
 
-    Attributes
-    ----------
-    excitation : str
-        'sine', 'prbs' or 'none'.
-    tuning : mapping
-        Estimation parameters that differ from the defaults.
-    hold_s : float
-        Duration of the hold at depth [s].
-
-    """
-
-    excitation: str = 'none'
+    excitation: str = 'none'  # 'sine', 'prbs' or 'none'
+    # estimation parameters that differ from the defaults
     tuning: Mapping[str, Any] = field(default_factory=dict)
-    hold_s: float = 2.0
+    hold_s: float = 2.0  # duration of the hold at depth [s]
 
     @abstractmethod
     def simulate(self, seed: int) -> ClosedLoopRun:
@@ -184,11 +155,7 @@ def step_reference(t: float) -> Reference:
     """
     Evaluate the reference of the step response.
 
-    Parameters
-    ----------
-    t : float
-        Time [s].
-
+    t: time [s]
     """
     K_t = TargetImpedance().stiffness
     depth = DESIRED_FORCE * (K_t + K_E) / (K_t * K_E)
@@ -199,11 +166,7 @@ def bounds(used: Sequence[Truth], with_inertia: bool) -> tuple[float, float]:
     """
     Compute the Cramer-Rao standard deviations of K_e and B_e.
 
-    Returns
-    -------
-    stiffness, damping : float
-        sigma (sum phi phi^T)^-1/2 [N/m], [N s/m].
-
+    Returns stiffness, damping: sigma (sum phi phi^T)^-1/2 [N/m], [N s/m]
     """
     columns = [[truth.position, truth.velocity, truth.acceleration] for truth in used]
     phi: NDArray[np.float64] = np.array(columns)[:, : 3 if with_inertia else 2]

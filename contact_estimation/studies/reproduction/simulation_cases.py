@@ -30,16 +30,9 @@ UNKNOWN_ARM = {'robot.control': 'force', 'robot.mass': 75.0, 'robot.damping': 30
 
 @dataclass(frozen=True)
 class SimulationCase(OnlineCase):
-    """
-    An on-line estimator in the closed loop with the simulated plant.
+    """An on-line estimator in the closed loop with the simulated plant."""
 
-    Attributes
-    ----------
-    plant : mapping
-        Plant parameters that differ from the defaults.
-
-    """
-
+    # plant parameters that differ from the defaults
     plant: Mapping[str, Any] = field(default_factory=dict)
 
     def simulate(self, seed: int) -> ClosedLoopRun:

@@ -50,16 +50,8 @@ class PlanarArm:
         """
         Compute M(a).
 
-        Parameters
-        ----------
-        angles : tuple of float
-            Link angles [rad].
-
-        Returns
-        -------
-        M : tuple of float
-            Upper triangle [kg m^2].
-
+        angles: link angles [rad]
+        Returns M: upper triangle [kg m^2]
         """
         a1, a2, a3 = angles
         return (
@@ -71,16 +63,8 @@ class PlanarArm:
         """
         Compute h(a, a').
 
-        Parameters
-        ----------
-        angles, rates : tuple of float
-            Link angles and rates [rad], [rad/s].
-
-        Returns
-        -------
-        h : tuple of float
-            Torques [N m].
-
+        angles, rates: link angles and rates [rad], [rad/s]
+        Returns h: torques [N m]
         """
         (a1, a2, a3), (w1, w2, w3) = angles, rates
         s12, s13 = self._c12 * sin(a1 - a2), self._c13 * sin(a1 - a3)
@@ -97,20 +81,10 @@ class PlanarArm:
         """
         Solve the equations of motion, joint friction included.
 
-        Parameters
-        ----------
-        angles, rates : tuple of float
-            Link angles and rates [rad], [rad/s].
-        torques : tuple of float
-            Motor torques [N m].
-        force_x : float
-            Force on the tip along x [N].
-
-        Returns
-        -------
-        accelerations : tuple of float
-            Link accelerations [rad/s^2].
-
+        angles, rates: link angles and rates [rad], [rad/s]
+        torques: motor torques [N m]
+        force_x: force on the tip along x [N]
+        Returns accelerations: link accelerations [rad/s^2]
         """
         (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, self._p.lengths
         # Innermost loop of the testbed: sines and cosines are computed once for M, h and J.
@@ -139,18 +113,9 @@ class PlanarArm:
         """
         Compute the friction of the gears.
 
-        Parameters
-        ----------
-        rates : tuple of float
-            Link rates [rad/s].
-        dry, viscous : float
-            Fractions of dry and viscous friction to include.
-
-        Returns
-        -------
-        torques : tuple of float
-            Joint torques, positive against positive motion [N m].
-
+        rates: link rates [rad/s]
+        dry, viscous: fractions of dry and viscous friction to include
+        Returns torques: joint torques, positive against positive motion [N m]
         """
         (w1, w2, w3), s = rates, self._p.friction_rate
         (c1, c2, c3), (b1, b2, b3) = self._p.coulomb_frictions, self._p.viscous_frictions
@@ -165,16 +130,8 @@ class PlanarArm:
         """
         Compute x of the tip, as `tip` does.
 
-        Parameters
-        ----------
-        angles : tuple of float
-            Link angles [rad].
-
-        Returns
-        -------
-        x : float
-            Distance from the base [m].
-
+        angles: link angles [rad]
+        Returns x: distance from the base [m]
         """
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return l1 * cos(a1) + l2 * cos(a2) + l3 * cos(a3)
@@ -183,11 +140,7 @@ class PlanarArm:
         """
         Compute pose and rate of the tip.
 
-        Parameters
-        ----------
-        angles, rates : tuple of float
-            Link angles and rates [rad], [rad/s].
-
+        angles, rates: link angles and rates [rad], [rad/s]
         """
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)
         w1, w2, w3 = rates
@@ -200,16 +153,8 @@ class PlanarArm:
         """
         Compute the rows of J for x and y of the tip; the third is (0, 0, 1).
 
-        Parameters
-        ----------
-        angles : tuple of float
-            Link angles [rad].
-
-        Returns
-        -------
-        by_x, by_y : tuple of float
-            d x / d a and d y / d a [m].
-
+        angles: link angles [rad]
+        Returns by_x, by_y: d x / d a and d y / d a [m]
         """
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return (
@@ -221,16 +166,8 @@ class PlanarArm:
         """
         Solve the inverse kinematics, elbow up.
 
-        Parameters
-        ----------
-        x, y, angle : float
-            Pose of the tip [m], [m], [rad], within reach.
-
-        Returns
-        -------
-        angles : tuple of float
-            Link angles [rad].
-
+        x, y, angle: pose of the tip [m], [m], [rad], within reach
+        Returns angles: link angles [rad]
         """
         l1, l2, l3 = self._p.lengths
         wrist_x, wrist_y = x - l3 * cos(angle), y - l3 * sin(angle)

@@ -39,20 +39,12 @@ _BEST_TESTBED_TUNING = {
 
 @dataclass(frozen=True)
 class TestbedCase(OnlineCase):
-    """
-    An on-line estimator in the closed loop with the testbed.
-
-    Attributes
-    ----------
-    as_paper : bool
-        Whether the data are processed as in the paper, else raw.
-
-    """
+    """An on-line estimator in the closed loop with the testbed."""
 
     __test__ = False  # not a test, despite its name
     max_runs: ClassVar[int] = TESTBED_RUNS
 
-    as_paper: bool = True
+    as_paper: bool = True  # whether the data are processed as in the paper, else raw
 
     def simulate(self, seed: int) -> ClosedLoopRun:
         """Simulate the closed loop; see `OnlineCase.simulate`."""
@@ -61,20 +53,13 @@ class TestbedCase(OnlineCase):
 
 @dataclass(frozen=True)
 class TestbedStepCase(StepCase):
-    """
-    An off-line estimator on a step response of the testbed.
-
-    Attributes
-    ----------
-    as_paper : bool
-        Whether the data are processed as in the paper and the arm is assumed to have its target
-        impedance; else the data are raw and the arm is identified first.
-
-    """
+    """An off-line estimator on a step response of the testbed."""
 
     __test__ = False  # not a test, despite its name
     max_runs: ClassVar[int] = TESTBED_RUNS
 
+    # whether the data are processed as in the paper and the arm is assumed to have its target
+    # impedance; else the data are raw and the arm is identified first
     as_paper: bool = True
 
     def estimate(self, seed: int) -> OfflineEstimate:
@@ -100,15 +85,7 @@ def online_cases(case: str, excitation: str, hold_s: float = 2.0) -> list[Testbe
     """
     Build the on-line cases of one experiment.
 
-    Parameters
-    ----------
-    case : str
-        Name of the case.
-    excitation : str
-        'sine', 'prbs' or 'none'.
-    hold_s : float
-        Duration of the hold at depth [s].
-
+    hold_s: duration of the hold at depth [s]
     """
     def online(estimator: str, law: str, tuning: Mapping[str, Any], **more: Any) -> TestbedCase:
         return TestbedCase(case, estimator, law, excitation=excitation, tuning=tuning,

@@ -20,7 +20,6 @@ class ImpedanceController:
 
     T = M_hat J^-1 (x''_d - J' a') + h_hat - J^T F. The model lacks the
     rotors and part of the joint friction: the actual impedance differs from the target.
-
     """
 
     def __init__(self, constants: TestbedConstants, target: TargetImpedance) -> None:
@@ -34,20 +33,10 @@ class ImpedanceController:
         """
         Compute the motor torques for one sample period.
 
-        Parameters
-        ----------
-        angles, rates : tuple of float
-            Link angles and rates [rad], [rad/s].
-        force : float
-            Measured F_e [N].
-        reference : Reference
-            x_r with derivatives, relative to the wall's surface.
-
-        Returns
-        -------
-        torques : tuple of float
-            Joint torques [N m].
-
+        angles, rates: link angles and rates [rad], [rad/s]
+        force: measured F_e [N]
+        reference: x_r with derivatives, relative to the wall's surface
+        Returns torques: joint torques [N m]
         """
         accelerations = self._link_accelerations(angles, rates, force, reference)
         t1, t2, t3 = times(self._model.mass_matrix(angles), accelerations)

@@ -32,7 +32,6 @@ def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
 
     The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale follows from
     K_t, which the controller realises exactly: at rest neither inertia nor damping acts.
-
     """
     recording = _free_step(target, seed)
     contact = recording.contact

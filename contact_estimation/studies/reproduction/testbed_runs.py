@@ -27,22 +27,11 @@ TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
 
 
 class ArmRecording(NamedTuple):
-    """
-    Signals of a run without an estimator.
+    """Signals of a run without an estimator."""
 
-    Attributes
-    ----------
-    truths : list of Truth
-        True state of the wall.
-    contact : ContactRecording
-        Force and deflection of the wall after acquisition.
-    tip : ndarray, shape (N,)
-        x of the tip relative to the wall's surface, from the joint encoders [m].
-
-    """
-
-    truths: list[Truth]
-    contact: ContactRecording
+    truths: list[Truth]  # True state of the wall
+    contact: ContactRecording  # force and deflection of the wall after acquisition
+    # (N,) x of the tip relative to the wall's surface, from the joint encoders [m]
     tip: NDArray[np.float64]
 
 
@@ -53,7 +42,6 @@ def run_testbed(
     Run an experiment in closed loop.
 
     The reference computed from sample k is followed from sample k + 1 on.
-
     """
     period = 1.0 / TESTBED.sample_rate
     period_ns = round(1e9 * period)
@@ -84,21 +72,9 @@ def record_testbed(
     """
     Record a run along a given reference.
 
-    Parameters
-    ----------
-    target : TargetImpedance
-        Impedance commanded to the controller.
-    reference_at : callable
-        Time [s] to x_r with derivatives.
-    start : float
-        Tip position at t = 0, relative to the wall's surface [m].
-    duration : float
-        Duration [s].
-    acquisition : Acquisition
-        New instance.
-    seed : int
-        Seed of the sensors.
-
+    reference_at: time [s] to x_r with derivatives
+    start: tip position at t = 0, relative to the wall's surface [m]
+    duration: duration [s]
     """
     period = 1.0 / TESTBED.sample_rate
     world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)

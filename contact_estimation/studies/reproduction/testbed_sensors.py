@@ -23,18 +23,10 @@ class Acquisition(ABC):
         """
         Process one sample.
 
-        Parameters
-        ----------
-        force : float
-            F_e from the force sensor [N].
-        position : float
-            Deflection of the wall from the potentiometer [m].
-
-        Returns
-        -------
-        force, position, velocity : float
-            Input of the estimator [N], [m], [m/s]; NaN without a velocity.
-
+        force: F_e from the force sensor [N]
+        position: deflection of the wall from the potentiometer [m]
+        Returns force, position, velocity: input of the estimator [N], [m], [m/s]; NaN without a
+        velocity
         """
 
 
@@ -52,7 +44,6 @@ class PaperAcquisition(Acquisition):
 
     All signals are Butterworth-filtered; the velocity is the filtered finite difference of the
     deflection; the static friction is subtracted from the force, whichever way the wall moves.
-
     """
 
     def __init__(self, constants: TestbedConstants) -> None:

@@ -22,18 +22,8 @@ def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
     """
     Compute the friction limit of the bearings at a rate: the Stribeck curve.
 
-    Parameters
-    ----------
-    rate : float
-        Rate of the deflection [m/s].
-    wall : FlexibleWallConstants
-        Constants of the wall.
-
-    Returns
-    -------
-    force : float
-        F_c + (F_s - F_c) exp(-(v / v_s)^2) [N].
-
+    rate: rate of the deflection [m/s]
+    Returns force: F_c + (F_s - F_c) exp(-(v / v_s)^2) [N]
     """
     more = wall.static_friction - wall.sliding_friction
     return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
@@ -43,11 +33,7 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
     """
     Compute the rate of the untouched wall with rolling bearings.
 
-    Returns
-    -------
-    rate : float
-        Rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s].
-
+    Returns rate: rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s]
     """
     friction = wall.sliding_friction * state.friction
     return -(wall.stiffness * state.deflection + friction) / wall.damping
@@ -60,15 +46,7 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
     Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
     friction depends on the travelled distance only and approaches its limit over s.
 
-    Parameters
-    ----------
-    state : WallState
-        State before the step.
-    step : float
-        Change of the deflection [m].
-    wall : FlexibleWallConstants
-        Constants of the wall.
-
+    step: change of the deflection [m]
     """
     if step == 0.0:
         return state
@@ -81,20 +59,9 @@ def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -
     """
     Compute the force of a tool that moves with the wall.
 
-    Parameters
-    ----------
-    state : WallState
-        State of the wall.
-    rate : float
-        Rate of the tool [m/s].
-    wall : FlexibleWallConstants
-        Constants of the wall.
-
-    Returns
-    -------
-    force : float
-        K_e w + B_e w' + F(w') z [N]; negative where the tool retreats faster than the wall.
-
+    rate: rate of the tool [m/s]
+    Returns force: K_e w + B_e w' + F(w') z [N]; negative where the tool retreats faster than the
+    wall
     """
     friction = friction_limit(rate, wall) * state.friction
     return wall.stiffness * state.deflection + wall.damping * rate + friction

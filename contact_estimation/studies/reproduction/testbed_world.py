@@ -24,15 +24,7 @@ class TestbedWorld:
     retreats faster than spring and damper push, the wall follows alone and comes to rest where
     the friction of its bearings balances the spring.
 
-    Parameters
-    ----------
-    constants : TestbedConstants
-        Arm, controller and wall.
-    target : TargetImpedance
-        Impedance commanded to the controller.
-    position : float
-        Tip position at t = 0, relative to the wall's surface [m].
-
+    position: tip position at t = 0, relative to the wall's surface [m]
     """
 
     __test__ = False  # not a test, despite its name
@@ -67,15 +59,8 @@ class TestbedWorld:
         """
         Compute the torques once and integrate over a sample period.
 
-        Parameters
-        ----------
-        duration : float
-            Sample period [s].
-        reference : Reference
-            Reference of the robot.
-        force : float
-            Measured F_e [N].
-
+        duration: sample period [s]
+        force: measured F_e [N]
         """
         self._torques = self._controller.torques(self._angles, self._rates, force, reference)
         steps = self._p.steps_per_sample

@@ -54,37 +54,19 @@ _SWINGS = (
 
 
 class Instant(NamedTuple):
-    """
-    One instant of the simulation.
+    """One instant of the simulation."""
 
-    Attributes
-    ----------
-    t : float
-        Time [s].
-    sample : ContactPointsSample
-        Measured force and motion.
-    delta : ndarray, shape (3,)
-        True penetrations [m].
-    forces : ndarray, shape (3, 3)
-        True force at each point [N].
-
-    """
-
-    t: float
-    sample: ContactPointsSample
-    delta: Array
-    forces: Array
+    t: float  # time [s]
+    sample: ContactPointsSample  # measured force and motion
+    delta: Array  # (3,) True penetrations [m]
+    forces: Array  # (3, 3) True force at each point [N]
 
 
 def motion_at(t: float) -> ToolMotion:
     """
     Return the prescribed pose and twist of the tool.
 
-    Parameters
-    ----------
-    t : float
-        Time [s].
-
+    t: time [s]
     """
     place, rate = [*_START, _PITCH], [0.0] * 4
     for axis, begin, duration, way in _MOVES:
