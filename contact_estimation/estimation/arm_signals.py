@@ -25,13 +25,7 @@ from ..messages import ForceTorqueDecoder, SomeJointsDecoder, TransformsDecoder
 from ..recordings import RecordingReader
 from ..recordings.free_flight import tare_of
 from ..recordings.recorded_signals import (
-    read_rows,
-    read_signals,
-    RecordedSignals,
-    reference_rows,
-    Row,
-    Signal,
-)
+    read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal)
 from ..recordings.source import RecordingSource
 from ..signals.joint_merging import JointMerger
 from ..signals.smoothing import smoothed_rate

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from ..estimators.stiffness_matrix import LABELS, matrices, MatrixEstimate, principal_table
-from ..estimators.stiffness_matrix import PRINCIPAL_LABELS
+from ..estimators.stiffness_matrix import (
+    LABELS, matrices, MatrixEstimate, PRINCIPAL_LABELS, principal_table)
 from ..messages import encode_multi_array, encode_string, Vector3StampedEncoder
 
 MULTI_ARRAY = 'std_msgs/msg/Float64MultiArray'

@@ -20,8 +20,7 @@ from .row_estimation import RowEstimation
 from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.multiple_model import (
-    CONTACT, FREE, Knowledge, LAWS, told_lag, WallPosterior)
+from ..estimators.multiple_model import CONTACT, FREE, Knowledge, LAWS, told_lag, WallPosterior
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference

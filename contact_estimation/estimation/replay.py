@@ -16,8 +16,8 @@ from .events import apply_event, EstimationEvent, STATIC, TARE
 from .inputs import MessageInputs
 from .late_messages import LateMessages
 from .parameters import EstimationParameters
-from .recorded_arm import recorded_description, recorded_parameters, recorded_static
-from .recorded_arm import refused_at_start
+from .recorded_arm import (
+    recorded_description, recorded_parameters, recorded_static, refused_at_start)
 from .result import AxesEstimates
 from .session import ContactSession
 from .start_up import StartUp

@@ -12,14 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_points import (
-    Array,
-    ContactGeometry,
-    force_regressor,
-    point_motions,
-    PointMotions,
-    rubless_directions,
-    ToolMotion,
-)
+    Array, ContactGeometry, force_regressor, point_motions, PointMotions, rubless_directions,
+    ToolMotion)
 from .contact_points_parameters import ContactPointsParameters
 from .estimate import EstimateStatus
 from ..exceptions import SignalShapeError

@@ -6,17 +6,8 @@
 from .arm_joints import ArmReading, decode_arm
 from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
-    encode_arm,
-    encode_float64,
-    encode_multi_array,
-    encode_string,
-    ForceTorqueEncoder,
-    JointRowEncoder,
-    JointStateEncoder,
-    TrajectoryEncoder,
-    Vector3StampedEncoder,
-    WrenchEncoder,
-)
+    encode_arm, encode_float64, encode_multi_array, encode_string, ForceTorqueEncoder,
+    JointRowEncoder, JointStateEncoder, TrajectoryEncoder, Vector3StampedEncoder, WrenchEncoder)
 from .joint_decoding import JointStateDecoder, SeveralJointsDecoder, TrajectoryDecoder
 from .plain_decoding import decode_float64, decode_string
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading

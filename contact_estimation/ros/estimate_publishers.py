@@ -12,8 +12,9 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
 from .message_classes import message_class
-from .topics import FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING
-from .topics import TRAJECTORY, VECTOR3, WRENCH_TYPE
+from .topics import (
+    FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY, VECTOR3,
+    WRENCH_TYPE)
 from ..estimation.compensated_wrench import CompensatedWrench
 from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
@@ -21,12 +22,7 @@ from ..estimation.target_pose import TargetPose
 from ..estimation.wall_law import WallLawNews
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
-    encode_float64,
-    encode_string,
-    ForceTorqueEncoder,
-    TrajectoryEncoder,
-    Vector3StampedEncoder,
-)
+    encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,

@@ -27,8 +27,8 @@ from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
 from ..estimation.compensated_wrench import CompensatedWrench
-from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, LOCATION
-from ..estimation.events import RESET, set_location, START, TARE
+from ..estimation.events import (
+    biases, CHANGE, EstimationEvent, event_now, LOCATION, RESET, set_location, START, TARE)
 from ..estimation.inputs import MessageInputs
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result

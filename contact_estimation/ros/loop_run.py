@@ -16,12 +16,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import RecordingError
 from ..messages import (
-    decode_float64,
-    JointStateDecoder,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-    WrenchDecoder,
-)
+    decode_float64, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder)
 from ..recordings import RecordingReader
 
 Series = NDArray[np.float64]

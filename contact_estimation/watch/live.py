@@ -15,12 +15,7 @@ from ..estimation.events import DESCRIPTION, EstimationEvent, START
 from ..estimation.parameters import EstimationParameters
 from ..exceptions import MessageError
 from ..messages import (
-    decode_diagnostics,
-    decode_float64,
-    decode_string,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-)
+    decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)
 from ..messages.diagnostics import DIAGNOSTICS_TYPE
 from ..parameters.values import build, changed
 

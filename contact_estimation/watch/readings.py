@@ -13,12 +13,7 @@ from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.robot_model import RobotModel
 from ..messages import (
-    FORCE_OF_AXIS,
-    ForceTorqueDecoder,
-    JointStateDecoder,
-    SomeJointsDecoder,
-    WrenchDecoder,
-)
+    FORCE_OF_AXIS, ForceTorqueDecoder, JointStateDecoder, SomeJointsDecoder, WrenchDecoder)
 from ..signals.joint_merging import JointMerger
 
 

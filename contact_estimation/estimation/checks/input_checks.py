@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from .check import Array, BLOCKS, Check, Evidence, Warned
 from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
 from .evidence_window import EvidenceWindow, FREE
-from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
-from .force_checks import OtherAxis
+from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, OtherAxis
 from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
 from .lag_checks import StampSkew, StampSkewOrMass
 from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps

@@ -10,8 +10,7 @@ from typing import Generator, NamedTuple
 
 import numpy as np
 
-from .constants import (
-    ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS)
+from .constants import ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 

@@ -13,13 +13,7 @@ from typing import Any
 import numpy as np
 
 from .contact_data import contact_data, learning_share
-from .estimator_steps import (
-    filterpy_step,
-    learning_steps,
-    pipeline_steps,
-    session_steps,
-    Steps,
-)
+from .estimator_steps import filterpy_step, learning_steps, pipeline_steps, session_steps, Steps
 from .table import print_table
 from ...estimators import ONLINE_ESTIMATORS
 

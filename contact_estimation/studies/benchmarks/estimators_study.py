@@ -16,13 +16,7 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 from .study_peers import PEERS, Trace
-from .study_report import (
-    as_markdown,
-    convergence_figure,
-    coverage_figure,
-    error_figure,
-    Results,
-)
+from .study_report import as_markdown, convergence_figure, coverage_figure, error_figure, Results
 from .study_scores import candidates, scores
 from .study_worlds import make_world, SCENARIOS, STEADY, World
 from ...commands.command_line import command, new_file, Parser

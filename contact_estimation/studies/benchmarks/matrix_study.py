@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
 from ...commands.command_line import command, Parser
-from ...estimators.stiffness_matrix import MatrixEstimate, StiffnessMatrix
-from ...estimators.stiffness_matrix import StiffnessMatrixParameters
+from ...estimators.stiffness_matrix import (
+    MatrixEstimate, StiffnessMatrix, StiffnessMatrixParameters)
 from ...exceptions import ParameterRangeError
 from ...signals.contact_sample import AxesSample, ContactSample
 from ...signals.synchronisation import SynchronisationParameters

@@ -12,27 +12,9 @@ import numpy as np
 
 from .online_paths import bump, start
 from .online_row import (
-    AS_TOLD,
-    drawn_depth,
-    drawn_sensor,
-    drawn_wall,
-    EXACT,
-    presses,
-    Row,
-    spread,
-    told,
-    UNKNOWN,
-    WITHIN,
-)
-from .online_trace import (
-    end_of_contact,
-    in_contact,
-    law_families,
-    sample_at,
-    Score,
-    score,
-    Trace,
-)
+    AS_TOLD, drawn_depth, drawn_sensor, drawn_wall, EXACT, presses, Row, spread, told, UNKNOWN,
+    WITHIN)
+from .online_trace import end_of_contact, in_contact, law_families, sample_at, Score, score, Trace
 from .online_worlds import simulate, World
 from ...physics.random_strength import log_uniform
 

@@ -11,17 +11,7 @@ import numpy as np
 
 from .online_faults import FAULTS
 from .online_paths import cruise, start
-from .online_row import (
-    drawn_sensor,
-    drawn_wall,
-    GAP,
-    presses,
-    Row,
-    spread,
-    told,
-    UNKNOWN,
-    WITHIN,
-)
+from .online_row import drawn_sensor, drawn_wall, GAP, presses, Row, spread, told, UNKNOWN, WITHIN
 from .online_trace import BAND, in_contact, sample_at, Score, score, Trace
 from .online_worlds import simulate, World
 from ...physics.random_strength import log_uniform

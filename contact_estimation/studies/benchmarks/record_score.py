@@ -8,13 +8,7 @@ from __future__ import annotations
 from typing import Any, Mapping
 
 from ..blind_trials.family_scoring import (
-    NEUTRAL,
-    of_families,
-    outcome_of,
-    RIGHT,
-    scored_names,
-    SILENT,
-)
+    NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from ...exceptions import RecordingError
 from ...physics import EFFECTS
 

@@ -11,13 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...estimators.contact_points import (
-    Array,
-    contact_forces,
-    ContactGeometry,
-    point_motions,
-    ToolMotion,
-    total_wrench,
-)
+    Array, contact_forces, ContactGeometry, point_motions, ToolMotion, total_wrench)
 from ...estimators.contact_points_estimator import ContactPointsSample
 from ...reference.quintic import quintic
 
