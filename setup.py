@@ -29,7 +29,7 @@ setup(
     license='Apache-2.0',
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
-        package_name: ['py.typed'],
+        package_name: ['py.typed', '__init__.pyi'],
         package_name + '.diagnosis.compare': ['*.json'],
         package_name + '.diagnosis.report.page': ['*.css', '*.html'],
         package_name + '.fleet.page': ['*.html'],

@@ -19,10 +19,10 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
-from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.stream_checks import graph_warnings
 from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.parameters.specification import specifications
+from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
+from contact_estimation.pipeline.checks.stream_checks import graph_warnings
 from contact_estimation.studies.foreign_laws import ALL_LAWS
 from effect_plots import plot_effect
 

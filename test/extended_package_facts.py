@@ -14,9 +14,9 @@ from typing import Any
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.applicable import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop
 from contact_estimation.plant.model_file import read_model
 from contact_estimation.plant.plant_parameters import PlantParameters

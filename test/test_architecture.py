@@ -16,7 +16,7 @@ ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages',
     'recordings', 'signals', 'kinematics', 'studies.foreign_laws', 'physics', 'reference',
-    'estimators', 'estimation', 'plant', 'studies.reproduction',
+    'estimators', 'pipeline', 'plant', 'studies.reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
     'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
     'studies.blind_trials',

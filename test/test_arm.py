@@ -12,12 +12,12 @@ from typing import Any, Mapping
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
 )
-from contact_estimation.estimation.inputs import MessageInputs
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Result
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.inputs import MessageInputs
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.result import Result
+from contact_estimation.pipeline.session import ContactSession
 import numpy as np
 import pytest
 from reference_messages import joint_state_bytes, wrench_bytes

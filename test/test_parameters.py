@@ -9,7 +9,6 @@ from dataclasses import dataclass, FrozenInstanceError
 from math import inf, isnan, nan
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.exceptions import (
     ParameterRangeError,
     ParameterReadOnlyError,
@@ -25,6 +24,7 @@ from contact_estimation.parameters.specification import (
 )
 from contact_estimation.parameters.value_text import value_text
 from contact_estimation.parameters.values import build, changed, flatten, flatten_mapping
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 import pytest

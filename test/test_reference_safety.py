@@ -12,8 +12,6 @@ from __future__ import annotations
 from math import inf, isfinite, nan, ulp
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.specification import (
@@ -22,6 +20,8 @@ from contact_estimation.parameters.specification import (
     specifications,
 )
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.laws import LAWS
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import limited, ReferenceGenerator

@@ -5,9 +5,9 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.checks import Rejections
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
+from contact_estimation.pipeline.checks import Rejections
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 import pytest
 
 

@@ -12,7 +12,6 @@ import re
 
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
@@ -24,6 +23,7 @@ from contact_estimation.estimators.stiffness_matrix import (
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import WrenchEncoder
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample

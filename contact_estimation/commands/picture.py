@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import Mapping
 
 from .command_line import new_file
-from ..estimation.arm_signals import read_contact_signals
-from ..estimation.contact_figure import plot_contact, signal_series
-from ..estimation.estimate_trace import EstimateTrace
-from ..estimation.parameters import EstimationParameters
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
+from ..pipeline.arm_signals import read_contact_signals
+from ..pipeline.contact_figure import plot_contact, signal_series
+from ..pipeline.estimate_trace import EstimateTrace
+from ..pipeline.parameters import EstimationParameters
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
 

@@ -13,12 +13,12 @@ from typing import Any, Callable, Sequence
 import numpy as np
 
 from ..diagnosis.observe.signals import LEAST_SAMPLES
-from ..estimation.estimate_files import stamp_text
-from ..estimation.model_fit import ModelFitMonitor
-from ..estimation.replay import RecordingReplay
-from ..estimation.result import AxesEstimates
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
+from ..pipeline.estimate_files import stamp_text
+from ..pipeline.model_fit import ModelFitMonitor
+from ..pipeline.replay import RecordingReplay
+from ..pipeline.result import AxesEstimates
 from ..recordings import RecordingReader
 from ..recordings.free_flight import Tare
 from ..texts import printable

@@ -19,9 +19,9 @@ from .command_line import (
     source_of,
 )
 from .picture import picture_trace, write_picture
-from ..estimation.estimate_trace import EstimateTrace
-from ..estimation.replay import RecordingReplay
 from ..exceptions import ParameterRangeError, RecordingError
+from ..pipeline.estimate_trace import EstimateTrace
+from ..pipeline.replay import RecordingReplay
 from ..plant.between_samples import BETWEEN
 from ..plant.model_file import read_model
 from ..plant.plant_node_parameters import PlantNodeParameters

@@ -22,9 +22,9 @@ from .command_line import (
 )
 from .progress import Progress
 from .replayed_parameters import replayed_parameters
-from ..estimation.replay import RecordingReplay
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError, RecordingError
+from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..ros.loop_processes import require_rclpy
 from ..watch.growing import follow_recording

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from .command_line import command, Parser
-from ..estimation.parameters import EstimationParameters
 from ..parameters.file import ANY_NODE
 from ..parameters.template import parameter_file
 from ..parameters.values import build
+from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..ros.estimator_node_parameters import EstimatorNodeParameters

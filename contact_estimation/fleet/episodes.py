@@ -8,9 +8,9 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any, Iterable, Mapping
 
-from ..estimation.replay import RecordingReplay
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
+from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata
 from ..recordings.source import RecordingSource

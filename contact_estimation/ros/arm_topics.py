@@ -14,15 +14,15 @@ from std_msgs.msg import String
 from . import topics
 from .data_thread import RawSubscriptions
 from .message_classes import has_transforms
-from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.arm_frames import NOT_INSTALLED
-from ..estimation.arm_stage import ArmStage
-from ..estimation.events import DESCRIPTION, EstimationEvent, event_now
-from ..estimation.session import ContactSession
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.transform_model import TransformModel
 from ..messages.transforms import TRANSFORMS_TYPE
+from ..pipeline.arm import NO_DESCRIPTION
+from ..pipeline.arm_frames import NOT_INSTALLED
+from ..pipeline.arm_stage import ArmStage
+from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
+from ..pipeline.session import ContactSession
 
 CHANGED = 'robot_description_changed'
 

@@ -11,8 +11,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from . import topics
-from ..estimation.session import ContactSession
 from ..kinematics.joint_kinds import turning_joint
+from ..pipeline.session import ContactSession
 
 REVOLUTE = 'revolute_joint'
 

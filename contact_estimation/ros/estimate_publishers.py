@@ -15,14 +15,14 @@ from .message_classes import message_class
 from .topics import (
     FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY, VECTOR3,
     WRENCH_TYPE)
-from ..estimation.compensated_wrench import CompensatedWrench
-from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
-from ..estimation.result import Result
-from ..estimation.target_pose import TargetPose
-from ..estimation.wall_law import WallLawNews
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
     encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
+from ..pipeline.compensated_wrench import CompensatedWrench
+from ..pipeline.matrix_messages import encode_matrices, MATRIX_TOPICS
+from ..pipeline.result import Result
+from ..pipeline.target_pose import TargetPose
+from ..pipeline.wall_law import WallLawNews
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,

@@ -13,12 +13,12 @@ from typing import Any, Callable, Mapping, Sequence
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
-from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.checks import lag_in_words, Rejections
-from ..estimation.model_fit import ModelFitMonitor
-from ..estimation.session import ContactSession
-from ..estimation.wall_law import laws_in_words
 from ..estimators.estimate import Estimate
+from ..pipeline.arm import NO_DESCRIPTION
+from ..pipeline.checks import lag_in_words, Rejections
+from ..pipeline.model_fit import ModelFitMonitor
+from ..pipeline.session import ContactSession
+from ..pipeline.wall_law import laws_in_words
 
 _LATENCIES_KEPT = 2000
 _STARTING_S = 5.0  # in which the log does not complain of a sensor that starts after the node

@@ -26,18 +26,18 @@ from .graph import Graph
 from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.compensated_wrench import CompensatedWrench
-from ..estimation.events import (
-    biases, CHANGE, EstimationEvent, event_now, LOCATION, RESET, set_location, START, TARE)
-from ..estimation.inputs import MessageInputs
-from ..estimation.parameters import EstimationParameters
-from ..estimation.result import Result
-from ..estimation.session import ContactSession
-from ..estimation.target_pose import check_target_pose, target_pose
 from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
+from ..pipeline.compensated_wrench import CompensatedWrench
+from ..pipeline.events import (
+    biases, CHANGE, EstimationEvent, event_now, LOCATION, RESET, set_location, START, TARE)
+from ..pipeline.inputs import MessageInputs
+from ..pipeline.parameters import EstimationParameters
+from ..pipeline.result import Result
+from ..pipeline.session import ContactSession
+from ..pipeline.target_pose import check_target_pose, target_pose
 from ..reference.setpoints import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'

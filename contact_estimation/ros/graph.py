@@ -11,8 +11,8 @@ import time
 from rclpy.node import Node
 
 from . import topics
-from ..estimation.checks.stream_checks import graph_warnings
-from ..estimation.session import ContactSession
+from ..pipeline.checks.stream_checks import graph_warnings
+from ..pipeline.session import ContactSession
 
 _EVERY_S = 1.0
 _OTHER_JOINTS = 'joint_states_joint_unknown'

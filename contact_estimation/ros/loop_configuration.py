@@ -12,11 +12,11 @@ from typing import Any, Mapping, NamedTuple
 import yaml
 
 from .estimator_node_parameters import EstimatorNodeParameters
-from ..estimation.parameters import EstimationParameters
 from ..exceptions import ParameterRangeError
 from ..parameters.file import ANY_NODE, read_parameter_file
 from ..parameters.specification import ParameterGroup, specifications
 from ..parameters.values import build, without
+from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiment import Experiment

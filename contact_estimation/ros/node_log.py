@@ -9,7 +9,7 @@ import time
 from typing import Any, Mapping
 
 from .topics import JOINT_STATES, REFERENCE, TF, WRENCH
-from ..estimation.parameters import EstimationParameters
+from ..pipeline.parameters import EstimationParameters
 
 _AGAIN_S = 10.0  # a warning that stays is repeated after this time
 _QUIET_S = 1.0  # between two changes of state

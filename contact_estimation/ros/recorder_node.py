@@ -19,13 +19,13 @@ from .matched_subscriptions import MatchedSubscriptions
 from .message_classes import has_transforms
 from .parameters import declare
 from .running import run_node
-from ..estimation.events import EstimationEvent, START
-from ..estimation.matrix_messages import MATRIX_TOPICS
 from ..exceptions import ContactEstimationError, ParameterRangeError
 from ..messages import decode_string
 from ..messages.transforms import TRANSFORMS_TYPE
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
+from ..pipeline.events import EstimationEvent, START
+from ..pipeline.matrix_messages import MATRIX_TOPICS
 from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
 

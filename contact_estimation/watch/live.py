@@ -11,13 +11,13 @@ from typing import Any, Callable, Mapping, NamedTuple
 
 from .contact_log import ContactLog
 from .readings import Reading, Readings, readings_of
-from ..estimation.events import DESCRIPTION, EstimationEvent, START
-from ..estimation.parameters import EstimationParameters
 from ..exceptions import MessageError
 from ..messages import (
     decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)
 from ..messages.diagnostics import DIAGNOSTICS_TYPE
 from ..parameters.values import build, changed
+from ..pipeline.events import DESCRIPTION, EstimationEvent, START
+from ..pipeline.parameters import EstimationParameters
 
 WRENCH, JOINTS = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
 TRAJECTORY, VECTOR = 'trajectory_msgs/msg/JointTrajectory', 'geometry_msgs/msg/Vector3Stamped'

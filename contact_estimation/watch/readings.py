@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from ..estimation.arm import described_in_file, kinematics_of
-from ..estimation.parameters import EstimationParameters
 from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.robot_model import RobotModel
 from ..messages import (
     FORCE_OF_AXIS, ForceTorqueDecoder, JointStateDecoder, SomeJointsDecoder, WrenchDecoder)
+from ..pipeline.arm import described_in_file, kinematics_of
+from ..pipeline.parameters import EstimationParameters
 from ..signals.joint_merging import JointMerger
 
 

@@ -9,9 +9,9 @@ from typing import Callable
 
 from .contact_log import ContactLog
 from .view import ContactView
-from ..estimation.arm_signals import read_contact_signals
-from ..estimation.replay import RecordingReplay
 from ..estimators.estimate import Estimate
+from ..pipeline.arm_signals import read_contact_signals
+from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.source import RecordingSource

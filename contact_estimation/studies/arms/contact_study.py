@@ -19,10 +19,10 @@ from .arm_models import TOOL_CENTRE, TOOL_MASS
 from .arm_recording import FORCE_BIAS
 from .simulation import Run, World
 from ...commands.calibrate_tool import main as calibrate_tool
-from ...estimation.replay import RecordingReplay
-from ...estimation.result import Moment
 from ...estimators.estimate import Estimate, EstimateStatus
 from ...exceptions import EstimationError
+from ...pipeline.replay import RecordingReplay
+from ...pipeline.result import Moment
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 

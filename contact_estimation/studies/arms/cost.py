@@ -13,10 +13,10 @@ from .arm_files import ArmFiles
 from .simulation import Run
 from ..benchmarks.contact_data import contact_data
 from ..benchmarks.estimator_steps import filterpy_step
-from ...estimation.arm import kinematics_of
-from ...estimation.parameters import EstimationParameters
 from ...kinematics.contact_kinematics import ArmSample
 from ...parameters.values import build
+from ...pipeline.arm import kinematics_of
+from ...pipeline.parameters import EstimationParameters
 
 _BLOCK = 250  # samples, so that both see the same load of the machine
 _BLOCKS = 12

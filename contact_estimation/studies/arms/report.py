@@ -13,8 +13,8 @@ import numpy as np
 from .arm_files import ArmFiles, tool_parameters
 from .arm_models import mujoco, mujoco_model, SENSOR, TIP
 from .simulation import Run, TIMESTEP, World
-from ...estimation.replay import RecordingReplay
 from ...figures import BLUE, figure_style, GREY, INK, new_figure, ORANGE
+from ...pipeline.replay import RecordingReplay
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Sequence
 
 from .simulated_samples import pressing, RATE
-from ...estimation.parameters import EstimationParameters
-from ...estimation.pipeline import EstimationPipeline
-from ...estimation.result import Result
 from ...estimators.estimate import EstimateStatus, Frozen
 from ...estimators.estimator import TimedRow
 from ...parameters.values import build
+from ...pipeline.axis_pipeline import EstimationPipeline
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.result import Result
 from ...reference.setpoints import Reference
 from ...signals.contact_sample import ContactSample
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from .contact_data import ContactData, estimator_rows, settled_pipeline
 from .simulated_samples import RATE
-from ...estimation.parameters import EstimationParameters
-from ...estimation.session import ContactSession
 from ...estimators import MULTIPLE_MODEL
 from ...estimators.estimate import Frozen
 from ...estimators.estimator import OnlineEstimator
 from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.session import ContactSession
 from ...reference.setpoints import Reference
 from ...signals.contact_sample import ContactSample
 

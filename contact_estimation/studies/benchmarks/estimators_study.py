@@ -21,9 +21,9 @@ from .study_scores import candidates, scores
 from .study_worlds import make_world, SCENARIOS, STEADY, World
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
-from ...estimation.parameters import EstimationParameters
 from ...exceptions import ParameterRangeError
 from ...figures import as_png, require_matplotlib
+from ...pipeline.parameters import EstimationParameters
 
 _UNKNOWN_PLACE = 'excited, x_e within 2 mm', 'unexcited, x_e within 2 mm'
 _COUNTS = {'excited': 24, 'unexcited': 12, _UNKNOWN_PLACE[0]: 24, _UNKNOWN_PLACE[1]: 12}

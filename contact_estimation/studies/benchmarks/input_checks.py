@@ -20,10 +20,10 @@ from .lag_evidence import lag_evidence
 from .table import print_table
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
-from ...estimation.parameters import EstimationParameters
-from ...estimation.session import ContactSession
 from ...estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.session import ContactSession
 from ...plant.closed_loop import run_closed_loop
 from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ...reference.experiments import experiment_named

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
-from ...estimation.result import Result
 from ...messages import JointStateEncoder, WrenchEncoder
+from ...pipeline.result import Result
 from ...recordings import RecordingWriter
 
 CONTACTS = ('mixed', 'always')

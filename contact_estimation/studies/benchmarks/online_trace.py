@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from .online_paths import Array
 from .online_worlds import Stream, World
-from ...estimation.parameters import EstimationParameters
-from ...estimation.result import Result
-from ...estimation.session import ContactSession
 from ...estimators.estimate import EstimateStatus
 from ...parameters.values import changed
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.result import Result
+from ...pipeline.session import ContactSession
 
 _LOOK_S = 0.1  # between looks at warnings and laws
 _TOUCHED_S = 0.3  # after a touch, from which there should be estimates

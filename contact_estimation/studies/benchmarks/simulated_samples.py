@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from math import pi
 
-from ...estimation.parameters import EstimationParameters
-from ...estimation.result import Result
-from ...estimation.session import ContactSession
 from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.result import Result
+from ...pipeline.session import ContactSession
 from ...plant.closed_loop import run_closed_loop
 from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ...reference.excitation import Sine

@@ -11,9 +11,9 @@ import platform
 from typing import Any
 
 from ...commands.command_line import command, new_file, Parser
-from ...estimation.parameters import EstimationParameters
 from ...estimators import ONLINE_ESTIMATORS
 from ...exceptions import ParameterRangeError
+from ...pipeline.parameters import EstimationParameters
 
 BENCHMARKS = ('estimators', 'node', 'watch', 'replay')
 _DEFAULT = EstimationParameters().estimator

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from .study_peers import PEERS, Trace
 from .study_worlds import Array, RATE, World
-from ...estimation.parameters import EstimationParameters
-from ...estimation.pipeline import EstimationPipeline
 from ...estimators import ONLINE_ESTIMATORS
 from ...exceptions import MissingPackageError
 from ...parameters.values import changed
+from ...pipeline.axis_pipeline import EstimationPipeline
+from ...pipeline.parameters import EstimationParameters
 
 Flags = NDArray[np.bool_]
 

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .paper import B_E, K_E, NOISE_VARIANCE
-from ...estimation.parameters import EstimationParameters
-from ...estimation.session import ContactSession
 from ...estimators.estimate import Estimate
 from ...estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.session import ContactSession
 from ...plant.closed_loop import ClosedLoopRun
 from ...plant.world import Truth
 from ...reference.excitation import Excitation, PseudoRandomBinary, Sine

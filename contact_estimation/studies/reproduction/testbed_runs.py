@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from .testbed_constants import TESTBED
 from .testbed_sensors import Acquisition, make_sensors
 from .testbed_world import TestbedWorld
-from ...estimation.session import ContactSession
 from ...estimators.offline_estimator import TargetImpedance
+from ...pipeline.session import ContactSession
 from ...plant.closed_loop import ClosedLoopRun
 from ...plant.world import Truth
 from ...reference.experiment import Experiment

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
 from .axes_estimation import AxesEstimation
+from .axis_pipeline import EstimationPipeline, NO_REFERENCE
 from .parameters import EstimationParameters
-from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
 from .result import AxesEstimates, Moment, Result
 from ..estimators.estimate import new_tuple

@@ -5,10 +5,10 @@
 
 from __future__ import annotations
 
+from .axis_pipeline import EstimationPipeline
 from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
-from .pipeline import EstimationPipeline
 
 
 class AxesEstimation:
