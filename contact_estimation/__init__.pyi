@@ -12,7 +12,7 @@ from .exceptions import ContactEstimationError as ContactEstimationError
 from .physics import EFFECTS as EFFECTS
 from .pipeline.axis_pipeline import EstimationPipeline as EstimationPipeline
 from .pipeline.parameters import EstimationParameters as EstimationParameters
-from .pipeline.result import Result as Result
+from .pipeline.axes import Result as Result
 from .pipeline.session import ContactSession as ContactSession
 from .plant.closed_loop import ClosedLoopRun as ClosedLoopRun, run_closed_loop as run_closed_loop
 from .plant.model_file import read_model as read_model

@@ -15,8 +15,8 @@ from math import nan
 from typing import Any, Iterable, Sequence
 
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.result import Result
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest

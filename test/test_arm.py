@@ -10,13 +10,12 @@ from math import nan
 from typing import Any, Mapping
 
 from arm_contact import (
-    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
-)
+    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START)
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.result import Result
 from contact_estimation.pipeline.session import ContactSession
 import numpy as np
 import pytest

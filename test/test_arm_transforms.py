@@ -17,11 +17,11 @@ from contact_estimation.diagnosis.observe.read_recording import read_recording
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import encode_string
 from contact_estimation.parameters.values import build, flatten
+from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.events import EstimationEvent, event_now, START
 from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.replay import RecordingReplay
-from contact_estimation.pipeline.result import Result
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.source import RecordingSource

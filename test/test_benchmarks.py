@@ -10,7 +10,7 @@ import subprocess
 import sys
 from typing import Any
 
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+from contact_estimation.messages.plain_decoding import DIAGNOSTICS_TYPE
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.studies.__main__ import main, STUDIES
 from contact_estimation.studies.arms.live_run import warned

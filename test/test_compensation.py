@@ -20,7 +20,7 @@ from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import FORCE_EXCITATION
-from contact_estimation.reference.quintic import quintic
+from contact_estimation.reference.reference_generator import quintic
 from contact_estimation.signals.contact_sample import ContactSample
 from core_steps import estimate_after
 from effect_examples import switched_on

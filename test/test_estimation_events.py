@@ -7,17 +7,10 @@ from __future__ import annotations
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.values import build, flatten
+from contact_estimation.pipeline.axes import Moment
 from contact_estimation.pipeline.events import (
-    apply_event,
-    CHANGE,
-    EstimationEvent,
-    event_now,
-    RESET,
-    START,
-    TARE,
-)
+    apply_event, CHANGE, EstimationEvent, event_now, RESET, START, TARE)
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.result import Moment
 from contact_estimation.pipeline.session import ContactSession
 from core_runs import contact_samples
 import pytest

@@ -9,17 +9,16 @@ from math import isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
-from contact_estimation.estimators.estimate import EstimateStatus
+from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
 from contact_estimation.pipeline.checks.check import Check, Evidence, Forces
 from contact_estimation.pipeline.checks.force_checks import ForceSign, OtherAxis
-from contact_estimation.pipeline.checks.joint_checks import JointUnits
-from contact_estimation.pipeline.events import apply_event, EstimationEvent, event_now
-from contact_estimation.pipeline.events import LOCATION, set_location
+from contact_estimation.pipeline.checks.stream_checks import JointUnits
+from contact_estimation.pipeline.events import (
+    apply_event, EstimationEvent, event_now, LOCATION, set_location)
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.result import AxesEstimates
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PAPER_NOISE, PlantParameters

@@ -9,9 +9,9 @@ from math import nan
 from typing import Any
 
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.events import set_location
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.result import Result
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.setpoints import Desired, Reference
 from contact_estimation.signals.contact_sample import ContactSample

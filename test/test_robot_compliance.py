@@ -6,11 +6,7 @@
 from __future__ import annotations
 
 from contact_estimation.estimators.estimate import ParameterEstimate
-from contact_estimation.pipeline.robot_compliance import (
-    of_the_wall,
-    RobotParameters,
-    seen_by_the_robot,
-)
+from contact_estimation.pipeline.parameters import of_the_wall, RobotParameters, seen_by_the_robot
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
 import pytest

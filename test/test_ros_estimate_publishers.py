@@ -10,10 +10,8 @@ from pathlib import Path
 from typing import Any, Iterator
 
 from contact_estimation.estimators.stiffness_matrix import (
-    StiffnessMatrix,
-    StiffnessMatrixParameters,
-)
-from contact_estimation.pipeline.matrix_messages import MATRIX_TOPICS
+    StiffnessMatrix, StiffnessMatrixParameters)
+from contact_estimation.pipeline.axes import MATRIX_TOPICS
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest

@@ -15,7 +15,7 @@ from typing import Any
 
 from contact_estimation.commands import loop, simulate, watch
 from contact_estimation.messages import encode_string, Vector3StampedEncoder, WrenchEncoder
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+from contact_estimation.messages.plain_decoding import DIAGNOSTICS_TYPE
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.growing import GrowingRecording

@@ -10,10 +10,9 @@ from typing import Mapping
 from .command_line import new_file
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
-from ..pipeline.arm_signals import read_contact_signals
-from ..pipeline.contact_figure import plot_contact, signal_series
-from ..pipeline.estimate_trace import EstimateTrace
+from ..pipeline.estimate_files import EstimateTrace, plot_contact, signal_series
 from ..pipeline.parameters import EstimationParameters
+from ..pipeline.recorded_arm import read_contact_signals
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
 

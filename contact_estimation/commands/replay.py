@@ -31,11 +31,11 @@ from .replayed_parameters import replayed_parameters
 from ..diagnosis.checks import check
 from ..diagnosis.observe.read_recording import read_recording
 from ..estimators import ONLINE_ESTIMATORS
+from ..estimators.estimate import AxesEstimates
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ContactEstimationError, ParameterRangeError, UnknownNameError
 from ..pipeline.estimate_files import CsvEstimates, McapEstimates
 from ..pipeline.replay import RecordingReplay
-from ..pipeline.result import AxesEstimates
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 

@@ -13,12 +13,11 @@ from typing import Any, Callable, Sequence
 import numpy as np
 
 from ..diagnosis.observe.signals import LEAST_SAMPLES
-from ..estimators.estimate import Estimate, EstimateStatus
+from ..estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..pipeline.estimate_files import stamp_text
-from ..pipeline.model_fit import ModelFitMonitor
 from ..pipeline.replay import RecordingReplay
-from ..pipeline.result import AxesEstimates
+from ..pipeline.wall_law import ModelFitMonitor
 from ..recordings import RecordingReader
 from ..recordings.free_flight import Tare
 from ..texts import printable

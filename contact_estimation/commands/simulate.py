@@ -20,7 +20,7 @@ from .command_line import (
 )
 from .picture import picture_trace, write_picture
 from ..exceptions import ParameterRangeError, RecordingError
-from ..pipeline.estimate_trace import EstimateTrace
+from ..pipeline.estimate_files import EstimateTrace
 from ..pipeline.replay import RecordingReplay
 from ..plant.between_samples import BETWEEN
 from ..plant.model_file import read_model

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .command_line import command, Parser
-from ..parameters.file import ANY_NODE
-from ..parameters.template import parameter_file
+from ..parameters.file import ANY_NODE, parameter_file
 from ..parameters.values import build
 from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_node_parameters import PlantNodeParameters

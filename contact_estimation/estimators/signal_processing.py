@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
 from ..exceptions import EstimationError
-from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactRecording
 
 FFT_POINTS = 1024
 """The printed 2.930 Hz is bin 6 of 1024 points at 500 Hz; the true frequency is 2.76 Hz."""

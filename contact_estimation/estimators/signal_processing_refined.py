@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
 from .signal_processing import dominant_frequency, environment_of, step_response
 from ..exceptions import EstimationError
-from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactRecording
 
 _SKIPPED_S = 0.01
 """Skipped after the step, which may extend over some samples."""

@@ -8,10 +8,36 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import re
 from typing import Any, Iterator, Sequence
 
-from .value_text import number_text, Value, value_text
 from ..exceptions import ParameterRangeError, UnknownNameError
+
+
+Value = bool | int | float | str | tuple[float, ...]
+
+_LARGE = 1e6  # from here on zeros are tedious to count
+
+
+def number_text(number: float) -> str:
+    """Return a number to six digits, its exponent as people write it: 1e6, not 1e+06."""
+    return re.sub(r'e([+-])0*', lambda found: 'e' + found[1].strip('+'), f'{number:g}')
+
+
+def value_text(value: Value) -> str:
+    """Return the value of a parameter: true, [0.0, 0.0, 0.0], 1e10, NaN."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return '[' + ', '.join(value_text(element) for element in value) + ']'
+    if isinstance(value, float):
+        if math.isnan(value):
+            return 'NaN'
+        short = number_text(value)
+        if (abs(value) >= _LARGE or 'e' in repr(value)) and float(short) == value:
+            return short
+    return repr(value)
+
 
 LARGEST = 1e15
 """Of any parameter in SI units: products of a few of them must not overflow."""

@@ -8,8 +8,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Mapping, TypeVar
 
-from .specification import ParameterGroup, specifications
-from .value_text import Value
+from .specification import ParameterGroup, specifications, Value
 from ..exceptions import ParameterReadOnlyError, UnknownNameError
 
 Group = TypeVar('Group', bound=ParameterGroup)

@@ -23,8 +23,7 @@ from typing import Any, Sequence
 from .effect import Effect
 from .force_sensor_effect import ForceSensorEffect
 from .known_wall import KnownWall, Memory, Motion, NOT_FINITE, WAITING, WallTerms
-from ..signals.compensated_sample import CompensatedSample
-from ..signals.contact_sample import ContactSample
+from ..signals.contact_sample import CompensatedSample, ContactSample
 
 _CLIPPED = 4.0  # standard deviations below the range of a sensor, beyond which it may clip
 _REGULAR = 0.5, 1.5  # sample periods between samples over which motion is differentiated

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from .checks.check import millimetres
 from .first_touch import FirstTouch
-from .model_fit import ModelFitMonitor
-from .parameters import EstimationParameters
-from .robot_compliance import of_the_wall, with_joints
+from .parameters import EstimationParameters, of_the_wall, with_joints
 from .row_estimation import RowEstimation
+from .wall_law import ModelFitMonitor
 from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
@@ -24,9 +23,8 @@ from ..estimators.multiple_model import CONTACT, FREE, Knowledge, LAWS, told_lag
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
-from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
-from ..signals.contact_sample import ContactSample
+from ..signals.contact_sample import CompensatedSample, ContactSample
 
 Array = NDArray[np.float64]
 NO_REFERENCE = Reference(nan, nan, nan)

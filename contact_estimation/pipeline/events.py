@@ -9,7 +9,7 @@ import json
 from math import isfinite
 from typing import Any, Mapping, NamedTuple
 
-from .result import Moment
+from .axes import Moment
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
 from ..texts import json_content

@@ -9,8 +9,7 @@ from bisect import bisect_left, insort
 from collections import Counter, deque
 from math import inf, isfinite, isnan, nan
 
-from .parameters import EstimationParameters
-from .robot_compliance import seen_by_the_robot, with_joints
+from .parameters import EstimationParameters, seen_by_the_robot, with_joints
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference

@@ -10,18 +10,17 @@ from functools import partial
 from math import nan
 from typing import Any, Iterator, Mapping
 
-from .arm_frames import static_of_parameters
-from .arm_signals import read_contact_signals
+from .arm_inputs import StartUp
+from .arm_kinematics import static_of_parameters
 from .events import apply_event, EstimationEvent, STATIC, TARE
-from .inputs import MessageInputs
-from .late_messages import LateMessages
+from .inputs import LateMessages, MessageInputs
 from .parameters import EstimationParameters
 from .recorded_arm import (
-    recorded_description, recorded_parameters, recorded_static, refused_at_start)
-from .result import AxesEstimates
+    read_contact_signals, recorded_description, recorded_parameters, recorded_static,
+    refused_at_start)
 from .session import ContactSession
-from .start_up import StartUp
 from ..estimators import ESTIMATORS
+from ..estimators.estimate import AxesEstimates
 from ..exceptions import MessageError, ParameterRangeError
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.values import build

@@ -12,9 +12,9 @@ from ..estimators import ESTIMATORS
 from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.multiple_model import WallPosterior
-from ..signals.butterworth import ButterworthBank
-from ..signals.compensated_sample import CompensatedSample
-from ..signals.outlier_gate import OutlierGate
+from ..signals.conditioning import OutlierGate
+from ..signals.contact_sample import CompensatedSample
+from ..signals.filters import ButterworthBank
 from ..signals.relations import GatedRows, Row
 
 _FROZEN, _ESTIMATING = EstimateStatus.FROZEN, EstimateStatus.ESTIMATING

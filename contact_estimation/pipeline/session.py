@@ -12,13 +12,12 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
-from .axes_estimation import AxesEstimation
+from .arm_kinematics import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
+from .axes import AxesEstimation, Moment, Result
 from .axis_pipeline import EstimationPipeline, NO_REFERENCE
 from .parameters import EstimationParameters
 from .reference_stream import ReferenceStream
-from .result import AxesEstimates, Moment, Result
-from ..estimators.estimate import new_tuple
+from ..estimators.estimate import AxesEstimates, new_tuple
 from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference

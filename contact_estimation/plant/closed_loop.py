@@ -13,7 +13,7 @@ from .sensors import Sensors
 from .world import Truth, World
 from ..estimators.estimate import Estimate
 from ..exceptions import ParameterRangeError
-from ..pipeline.result import Result
+from ..pipeline.axes import Result
 from ..pipeline.session import ContactSession
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt

@@ -16,8 +16,7 @@ from .sensors import Sensors
 from .world import Truth, World
 from ..physics.effect import Effect
 from ..reference.setpoints import ReferenceAt
-from ..signals.contact_recording import ContactRecording
-from ..signals.contact_sample import ContactSample
+from ..signals.contact_sample import ContactRecording, ContactSample
 
 Array = NDArray[np.float64]
 

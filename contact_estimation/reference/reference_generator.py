@@ -6,10 +6,61 @@
 from __future__ import annotations
 
 from math import copysign, inf, isfinite
+from typing import Callable
 
-from .laws import LAWS
 from .parameters import ReferenceParameters, refuse_double_tracking
 from .setpoints import Desired, Reference
+
+
+def quintic(start: float, end: float, duration: float, t: float) -> tuple[float, float, float]:
+    """
+    Evaluate the fifth-order polynomial from rest to rest.
+
+    start, end: positions [m]
+    duration: duration of the motion [s], > 0
+    t: time since the start [s]; clipped to [0, duration]
+    Returns position, velocity, acceleration: in [m], [m/s], [m/s^2]
+    """
+    s = min(max(t / duration, 0.0), 1.0)
+    span = end - start
+    return (
+        start + span * s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
+        span / duration * 30.0 * s * s * (1.0 - s) ** 2,
+        span / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+    )
+
+
+Compliance = Callable[[float, float], float]
+
+
+def eq20_compliance(K_hat: float, K_t: float) -> float:
+    """
+    Eq. (20): x_r = x_e + F_r / K_hat.
+
+    K_hat: estimated stiffness of the environment [N/m], > 0
+    K_t: target stiffness of the robot [N/m]; not used
+    Returns compliance: (x_r - x_e) / F_r [m/N]
+    """
+    return 1.0 / K_hat
+
+
+def series_compliance(K_hat: float, K_t: float) -> float:
+    """
+    Springs in series: x_r = x_e + F_r (1 / K_hat + 1 / K_t).
+
+    K_hat, K_t: stiffness of environment and robot [N/m], > 0
+    Returns compliance: (x_r - x_e) / F_r [m/N]
+    """
+    return 1.0 / K_hat + 1.0 / K_t
+
+
+LAWS: dict[str, Compliance | None] = {
+    'eq20': eq20_compliance,
+    'series': series_compliance,
+    'pass_through': None,
+}
+"""Compliance by name of the law; None: x_d passes through, whatever F_r is."""
+
 
 _new = tuple.__new__  # of a named tuple: half the time of a call of its class
 

@@ -18,9 +18,8 @@ from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.transform_model import TransformModel
 from ..messages.transforms import TRANSFORMS_TYPE
-from ..pipeline.arm import NO_DESCRIPTION
-from ..pipeline.arm_frames import NOT_INSTALLED
-from ..pipeline.arm_stage import ArmStage
+from ..pipeline.arm_inputs import ArmStage
+from ..pipeline.arm_kinematics import NO_DESCRIPTION, NOT_INSTALLED
 from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
 from ..pipeline.session import ContactSession
 

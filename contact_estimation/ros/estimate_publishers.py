@@ -18,10 +18,8 @@ from .topics import (
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
     encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
-from ..pipeline.compensated_wrench import CompensatedWrench
-from ..pipeline.matrix_messages import encode_matrices, MATRIX_TOPICS
-from ..pipeline.result import Result
-from ..pipeline.target_pose import TargetPose
+from ..pipeline.arm_outputs import CompensatedWrench, TargetPose
+from ..pipeline.axes import encode_matrices, MATRIX_TOPICS, Result
 from ..pipeline.wall_law import WallLawNews
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {

@@ -14,11 +14,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
 from ..estimators.estimate import Estimate
-from ..pipeline.arm import NO_DESCRIPTION
+from ..pipeline.arm_kinematics import NO_DESCRIPTION
 from ..pipeline.checks import lag_in_words, Rejections
-from ..pipeline.model_fit import ModelFitMonitor
 from ..pipeline.session import ContactSession
-from ..pipeline.wall_law import laws_in_words
+from ..pipeline.wall_law import laws_in_words, ModelFitMonitor
 
 _LATENCIES_KEPT = 2000
 _STARTING_S = 5.0  # in which the log does not complain of a sensor that starts after the node

@@ -30,14 +30,13 @@ from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
-from ..pipeline.compensated_wrench import CompensatedWrench
+from ..pipeline.arm_outputs import check_target_pose, CompensatedWrench, target_pose
+from ..pipeline.axes import Result
 from ..pipeline.events import (
     biases, CHANGE, EstimationEvent, event_now, LOCATION, RESET, set_location, START, TARE)
 from ..pipeline.inputs import MessageInputs
 from ..pipeline.parameters import EstimationParameters
-from ..pipeline.result import Result
 from ..pipeline.session import ContactSession
-from ..pipeline.target_pose import check_target_pose, target_pose
 from ..reference.setpoints import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from .loop_run import RecordedRun
-from ..pipeline.contact_figure import plot_contact
+from ..pipeline.estimate_files import plot_contact
 from ..plant.plant_parameters import WallParameters
 
 

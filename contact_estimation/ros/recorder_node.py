@@ -24,8 +24,8 @@ from ..messages import decode_string
 from ..messages.transforms import TRANSFORMS_TYPE
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
+from ..pipeline.axes import MATRIX_TOPICS
 from ..pipeline.events import EstimationEvent, START
-from ..pipeline.matrix_messages import MATRIX_TOPICS
 from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
 

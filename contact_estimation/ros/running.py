@@ -21,8 +21,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from ..exceptions import ContactEstimationError
-from ..parameters.specification import ParameterSpecification
-from ..parameters.value_text import value_text
+from ..parameters.specification import ParameterSpecification, value_text
 
 _DELIVERY_S = 4.0  # DDS offers again what was lost on the way every 3 s
 

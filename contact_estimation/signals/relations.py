@@ -15,8 +15,8 @@ from abc import ABC, abstractmethod
 from math import ceil, pi, sqrt
 from typing import Sequence
 
-from .butterworth import ButterworthBank
-from .compensated_sample import CompensatedSample
+from .contact_sample import CompensatedSample
+from .filters import ButterworthBank
 
 Row = Sequence[float]
 COLUMNS = 5

@@ -14,7 +14,7 @@ from .readings import Reading, Readings, readings_of
 from ..exceptions import MessageError
 from ..messages import (
     decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)
-from ..messages.diagnostics import DIAGNOSTICS_TYPE
+from ..messages.plain_decoding import DIAGNOSTICS_TYPE
 from ..parameters.values import build, changed
 from ..pipeline.events import DESCRIPTION, EstimationEvent, START
 from ..pipeline.parameters import EstimationParameters

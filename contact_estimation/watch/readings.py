@@ -12,7 +12,7 @@ from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.robot_model import RobotModel
 from ..messages import (
     FORCE_OF_AXIS, ForceTorqueDecoder, JointStateDecoder, SomeJointsDecoder, WrenchDecoder)
-from ..pipeline.arm import described_in_file, kinematics_of
+from ..pipeline.arm_kinematics import described_in_file, kinematics_of
 from ..pipeline.parameters import EstimationParameters
 from ..signals.joint_merging import JointMerger
 

@@ -10,7 +10,7 @@ from typing import Callable
 from .contact_log import ContactLog
 from .view import ContactView
 from ..estimators.estimate import Estimate
-from ..pipeline.arm_signals import read_contact_signals
+from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import RecordedSignals, Signal

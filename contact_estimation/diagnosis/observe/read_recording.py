@@ -13,9 +13,8 @@ from .signals import Recording, signals_of
 from ...exceptions import UnknownNameError
 from ...messages import FORCE_OF_AXIS
 from ...parameters.values import build
-from ...pipeline.arm_signals import read_contact_signals
 from ...pipeline.parameters import EstimationParameters
-from ...pipeline.recorded_arm import arm_parameters
+from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 from ...texts import printable

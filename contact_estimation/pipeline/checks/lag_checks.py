@@ -19,8 +19,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import BLOCKS, Check, Evidence, rate_of
-from .robust_statistics import Array, white_noise_of
+from .check import Array, BLOCKS, Check, Evidence, rate_of, white_noise_of
 
 _SIGNIFICANT = 40.0  # likelihood ratio
 _BETTER = 0.5  # share of the residual above the noise that the lag takes away

@@ -21,8 +21,8 @@ from .simulation import Run, World
 from ...commands.calibrate_tool import main as calibrate_tool
 from ...estimators.estimate import Estimate, EstimateStatus
 from ...exceptions import EstimationError
+from ...pipeline.axes import Moment
 from ...pipeline.replay import RecordingReplay
-from ...pipeline.result import Moment
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 

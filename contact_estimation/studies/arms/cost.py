@@ -15,7 +15,7 @@ from ..benchmarks.contact_data import contact_data
 from ..benchmarks.estimator_steps import filterpy_step
 from ...kinematics.contact_kinematics import ArmSample
 from ...parameters.values import build
-from ...pipeline.arm import kinematics_of
+from ...pipeline.arm_kinematics import kinematics_of
 from ...pipeline.parameters import EstimationParameters
 
 _BLOCK = 250  # samples, so that both see the same load of the machine

@@ -11,9 +11,9 @@ from .simulated_samples import pressing, RATE
 from ...estimators.estimate import EstimateStatus, Frozen
 from ...estimators.estimator import TimedRow
 from ...parameters.values import build
+from ...pipeline.axes import Result
 from ...pipeline.axis_pipeline import EstimationPipeline
 from ...pipeline.parameters import EstimationParameters
-from ...pipeline.result import Result
 from ...reference.setpoints import Reference
 from ...signals.contact_sample import ContactSample
 

@@ -14,8 +14,7 @@ from ...physics import PhysicsParameters
 from ...plant.plant_parameters import PlantParameters, SensorParameters, WallParameters
 from ...plant.simulation import simulate_experiment
 from ...plant.simulation_file import write_simulation
-from ...reference.excitation import Multisine
-from ...reference.experiment import Experiment, Segment
+from ...reference.experiment import Experiment, Multisine, Segment
 
 ROBOTS = ('robot_a', 'robot_b', 'robot_c')
 WORN, RUBBING = 'robot_b', 'robot_c'

@@ -11,7 +11,7 @@ from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
 from ...messages import JointStateEncoder, WrenchEncoder
-from ...pipeline.result import Result
+from ...pipeline.axes import Result
 from ...recordings import RecordingWriter
 
 CONTACTS = ('mixed', 'always')

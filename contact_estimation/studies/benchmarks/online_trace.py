@@ -15,8 +15,8 @@ from .online_paths import Array
 from .online_worlds import Stream, World
 from ...estimators.estimate import EstimateStatus
 from ...parameters.values import changed
+from ...pipeline.axes import Result
 from ...pipeline.parameters import EstimationParameters
-from ...pipeline.result import Result
 from ...pipeline.session import ContactSession
 
 _LOOK_S = 0.1  # between looks at warnings and laws

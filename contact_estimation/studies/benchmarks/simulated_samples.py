@@ -8,13 +8,12 @@ from __future__ import annotations
 from math import pi
 
 from ...parameters.values import build
+from ...pipeline.axes import Result
 from ...pipeline.parameters import EstimationParameters
-from ...pipeline.result import Result
 from ...pipeline.session import ContactSession
 from ...plant.closed_loop import run_closed_loop
 from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
-from ...reference.excitation import Sine
-from ...reference.experiment import Experiment
+from ...reference.experiment import Experiment, Sine
 from ...reference.experiments import experiment_named, manoeuvre
 
 RATE = 500.0

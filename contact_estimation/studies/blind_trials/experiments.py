@@ -10,9 +10,9 @@ from typing import Callable, Mapping, NamedTuple
 
 from numpy.random import Generator
 
-from ...reference.excitation import Excitation, Multisine, PseudoRandomBinary, Sine
-from ...reference.experiment import Experiment, Segment
-from ...reference.quintic import quintic
+from ...reference.experiment import (
+    Excitation, Experiment, Multisine, PseudoRandomBinary, Segment, Sine)
+from ...reference.reference_generator import quintic
 
 _FADE_S = 0.3
 _MAX_SPEED = 0.2  # of x_r; faster approaches end in an impact [m/s]

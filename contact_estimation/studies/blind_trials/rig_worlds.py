@@ -17,8 +17,7 @@ from .rig import Rig
 from .worlds import draw_world, SensorModel
 from ..foreign_laws.law import log_uniform
 from ...plant.plant_parameters import WallParameters
-from ...reference.excitation import Multisine, Sine
-from ...reference.experiment import Experiment
+from ...reference.experiment import Experiment, Multisine, Sine
 
 _FASTEST = 0.02  # highest frequency of a specimen's motion, of the sample rate
 

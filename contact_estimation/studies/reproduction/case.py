@@ -22,8 +22,7 @@ from ...pipeline.parameters import EstimationParameters
 from ...pipeline.session import ContactSession
 from ...plant.closed_loop import ClosedLoopRun
 from ...plant.world import Truth
-from ...reference.excitation import Excitation, PseudoRandomBinary, Sine
-from ...reference.experiment import Experiment
+from ...reference.experiment import Excitation, Experiment, PseudoRandomBinary, Sine
 from ...reference.experiments import DESIRED_FORCE, FORCE_EXCITATION, manoeuvre
 from ...reference.setpoints import Reference
 

@@ -15,7 +15,7 @@ from ...parameters.values import build
 from ...plant.closed_loop import ClosedLoopRun, run_closed_loop
 from ...plant.open_loop import run_open_loop
 from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
-from ...signals.contact_recording import ContactRecording
+from ...signals.contact_sample import ContactRecording
 
 PLAIN = {'conditioning.cutoff_frequency': 0.0, 'excitation.maximum_relative_std': 1e9}
 """The paper's simulation has no filter, and its estimators never freeze."""

@@ -17,7 +17,7 @@ from .testbed_sensors import Acquisition, PaperAcquisition, RawAcquisition
 from ...estimators import OFFLINE_ESTIMATORS
 from ...estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from ...plant.closed_loop import ClosedLoopRun
-from ...signals.contact_recording import ContactRecording
+from ...signals.contact_sample import ContactRecording
 
 TESTBED_RUNS = 10
 """Number of experiments of each kind in the paper."""

@@ -12,7 +12,7 @@ from .testbed_sensors import RawAcquisition
 from ...estimators.offline_estimator import TargetImpedance
 from ...estimators.signal_processing_refined import SignalProcessingRefined
 from ...reference.setpoints import Reference
-from ...signals.contact_recording import ContactRecording
+from ...signals.contact_sample import ContactRecording
 
 FREE_STEP = 0.015
 """

@@ -19,8 +19,7 @@ from ...plant.closed_loop import ClosedLoopRun
 from ...plant.world import Truth
 from ...reference.experiment import Experiment
 from ...reference.setpoints import Reference
-from ...signals.contact_recording import ContactRecording
-from ...signals.contact_sample import ContactSample
+from ...signals.contact_sample import ContactRecording, ContactSample
 
 TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
 """Target impedance of the time-domain algorithms."""

@@ -12,7 +12,7 @@ from .testbed_constants import TestbedConstants
 from ...parameters.values import build
 from ...plant.plant_parameters import PlantParameters
 from ...plant.sensors import Sensors
-from ...signals.butterworth import ButterworthBank
+from ...signals.filters import ButterworthBank
 
 
 class Acquisition(ABC):

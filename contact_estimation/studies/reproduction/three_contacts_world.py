@@ -13,7 +13,7 @@ import numpy as np
 from ...estimators.contact_points import (
     Array, contact_forces, ContactGeometry, point_motions, ToolMotion, total_wrench)
 from ...estimators.contact_points_estimator import ContactPointsSample
-from ...reference.quintic import quintic
+from ...reference.reference_generator import quintic
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 RATE = 500.0
