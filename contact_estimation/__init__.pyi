@@ -10,14 +10,14 @@ from .estimators import ESTIMATORS as ESTIMATORS
 from .estimators.estimate import Estimate as Estimate
 from .exceptions import ContactEstimationError as ContactEstimationError
 from .physics import EFFECTS as EFFECTS
+from .pipeline.axes import Result as Result
 from .pipeline.axis_pipeline import EstimationPipeline as EstimationPipeline
 from .pipeline.parameters import EstimationParameters as EstimationParameters
-from .pipeline.axes import Result as Result
 from .pipeline.session import ContactSession as ContactSession
 from .plant.closed_loop import ClosedLoopRun as ClosedLoopRun, run_closed_loop as run_closed_loop
-from .plant.model_file import read_model as read_model
 from .plant.plant_parameters import (
-    PlantParameters as PlantParameters, SensorParameters as SensorParameters)
+    PlantParameters as PlantParameters, read_model as read_model,
+    SensorParameters as SensorParameters)
 from .recordings.arrays import read_table as read_table, write_recording as write_recording
 from .reference.experiment import Experiment as Experiment
 from .reference.experiments import experiment_named as experiment_named

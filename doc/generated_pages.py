@@ -19,7 +19,7 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
-from contact_estimation.fleet.columns import COLUMNS
+from contact_estimation.fleet.table import COLUMNS
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
 from contact_estimation.pipeline.checks.stream_checks import graph_warnings

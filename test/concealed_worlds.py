@@ -19,9 +19,8 @@ from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Effect
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.plant.simulation import simulate_force
+from contact_estimation.plant.simulation import run_open_loop, simulate_force
 from contact_estimation.reference.experiment import Excitation, Experiment, Multisine, Segment
 from contact_estimation.reference.reference_generator import quintic
 import numpy as np

@@ -16,8 +16,8 @@ from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import FORCE_EXCITATION
 from contact_estimation.reference.reference_generator import quintic

@@ -15,8 +15,8 @@ from contact_estimation.physics.compensation import Compensation, IRREGULAR
 from contact_estimation.physics.known_wall import NOT_FINITE, NOT_LOCATED
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.reference.reference_generator import quintic
 from contact_estimation.signals.contact_sample import CompensatedSample, ContactSample
 from effect_examples import example, switched_on

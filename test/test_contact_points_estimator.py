@@ -16,11 +16,7 @@ from contact_estimation.estimators.contact_points import (
     ToolMotion,
 )
 from contact_estimation.estimators.contact_points_estimator import (
-    ContactPointsEstimate,
-    ContactPointsEstimator,
-    ContactPointsSample,
-)
-from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
+    ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters, ContactPointsSample)
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.exceptions import SignalShapeError
 from contact_estimation.studies.reproduction.three_contacts_world import GEOMETRY, motion_at

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.parameters.values import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.parameters import EstimationParameters

@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
@@ -16,6 +15,7 @@ from contact_estimation.estimators.indirect_adaptive import (
 )
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.values import build
 from contact_estimation.pipeline.parameters import EstimationParameters

@@ -22,7 +22,7 @@ from ros_peer import ESTIMATES, WINDOW
 from ros_processes import node_process, parameter_arguments, run_module
 from small_arm import MOVING
 
-from contact_estimation.ros.message_classes import has_transforms, message_class  # noqa: I100
+from contact_estimation.ros.topics import has_transforms, message_class  # noqa: I100
 
 pytestmark = pytest.mark.slow
 

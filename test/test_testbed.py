@@ -10,8 +10,8 @@ from math import isnan
 
 from contact_estimation.estimators.offline_estimator import TargetImpedance
 from contact_estimation.parameters.values import build
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.reference.setpoints import Reference
 from contact_estimation.studies.reproduction.testbed_constants import (
     FlexibleWallConstants,

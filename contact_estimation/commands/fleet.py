@@ -29,7 +29,7 @@ from ..fleet.run import Fleet, run_fleet
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters.values import without
 from ..physics import effects_that_are_on
-from ..plant.model_file import read_model
+from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
 

@@ -22,12 +22,10 @@ from .picture import picture_trace, write_picture
 from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.estimate_files import EstimateTrace
 from ..pipeline.replay import RecordingReplay
-from ..plant.between_samples import BETWEEN
-from ..plant.model_file import read_model
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PlantParameters
-from ..plant.simulation import simulate_command, simulate_experiment, simulate_force, Simulation
-from ..plant.simulation_file import write_simulation
+from ..plant.plant_parameters import PlantNodeParameters, PlantParameters, read_model
+from ..plant.sampled_signals import BETWEEN
+from ..plant.simulation import (
+    simulate_command, simulate_experiment, simulate_force, Simulation, write_simulation)
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals, RecordedSignals
 from ..recordings.source import RecordingSource

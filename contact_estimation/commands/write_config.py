@@ -16,11 +16,9 @@ from .command_line import command, Parser
 from ..parameters.file import ANY_NODE, parameter_file
 from ..parameters.values import build
 from ..pipeline.parameters import EstimationParameters
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ..plant.plant_parameters import PAPER_NOISE, PlantNodeParameters, PlantParameters
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..watch.foxglove import foxglove_layout
-from ..watch.plotjuggler import plotjuggler_layout
+from ..watch.layouts import foxglove_layout, plotjuggler_layout
 
 
 def config_files() -> dict[str, str]:

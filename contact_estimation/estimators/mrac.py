@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of
 from .model_following import ModelFollowing, ModelFollowingParameters
+from .parameters import EnvironmentParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
 

@@ -9,11 +9,10 @@ from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 
-from .changes import Change
-from .entry import distinct, Entry
+from .findings import by_group, Change
 from .fingerprint import Settings
 from .one_recording import Outcome, process_pooled
-from .trends import by_group
+from .table import distinct, Entry
 from ..scheduling import Call
 
 _LEAST = 3  # recordings: two to fit and one to leave out

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Iterator, Mapping, Sequence
 
-from .changes import Change, changes
 from .discovery import FoundRecording
-from .entry import Entry, in_time
+from .findings import by_group, Change, changes
 from .fingerprint import recording_sha256, Settings
 from .finished import Finished
 from .one_recording import Outcome, process, Result
 from .pooling import pooled_calls, PooledResult, pools
-from .trends import by_group
+from .table import Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import printable
 

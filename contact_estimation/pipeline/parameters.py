@@ -11,10 +11,9 @@ from typing import Any
 
 from .arm_kinematics import check_arm
 from ..estimators import EstimatorsTuning, MATRIX_ESTIMATORS, MULTIPLE_MODEL, ONLINE_ESTIMATORS
-from ..estimators.environment_parameters import EnvironmentParameters
 from ..estimators.estimate import ParameterEstimate
+from ..estimators.parameters import EnvironmentParameters, ExcitationParameters, TrackingParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
-from ..estimators.supervision_parameters import ExcitationParameters, TrackingParameters
 from ..exceptions import ParameterRangeError
 from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters
 from ..kinematics.tool_load import ToolParameters

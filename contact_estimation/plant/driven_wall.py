@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .plant_parameters import PlantParameters
-from .runge_kutta import combine, shift, State
+from .world import combine, shift, State
 from ..exceptions import ParameterRangeError, SignalShapeError
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw

@@ -1,26 +1,95 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""A simulated recording: the plant on a recorded command or force, or on an experiment."""
+"""Simulated recordings: the plant on a recorded command or force, or on an experiment."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .between_samples import BETWEEN
 from .driven_wall import run_driven_wall_with_rates
-from .open_loop import simulate_at
 from .plant_parameters import PlantParameters
-from .sampled_reference import reference_through
+from .sampled_signals import BETWEEN, reference_through
 from .sensors import Sensors
-from .world import Truth
+from .world import Truth, World
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ..physics.effect import Effect
+from ..recordings.topic_names import canonical
+from ..recordings.writing import RecordingWriter
 from ..reference.experiment import Experiment
-from ..reference.setpoints import Reference
+from ..reference.setpoints import Reference, ReferenceAt
+from ..signals.contact_sample import ContactRecording, ContactSample
+
 
 Array = NDArray[np.float64]
+
+
+def run_open_loop(
+    plant: PlantParameters, reference: ReferenceAt, start: float, duration: float,
+    further: Sequence[Effect] = (),
+) -> tuple[list[Truth], ContactRecording]:
+    """
+    Simulate the plant on a given reference.
+
+    reference: from time [s] to the reference
+    start: initial position of the robot, at rest [m]
+    duration: simulated time [s]
+    """
+    period = 1.0 / plant.sample_rate
+    world, sensors = World(plant, start, further=further), Sensors(plant)
+    truths: list[Truth] = []
+    samples: list[ContactSample] = []
+    for k in range(round(duration * plant.sample_rate)):
+        truth = world.truth(reference)
+        force, position, velocity = sensors.measure(truth)
+        truths.append(truth)
+        samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
+        world.advance(period, reference)
+    return truths, ContactRecording.of(samples)
+
+
+def simulate_on(
+    parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
+) -> list[Truth]:
+    """
+    Simulate on a sampled reference, interpolated linearly.
+
+    parameters: parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per
+    sample suffices unless dry friction acts on a light robot.
+    t (N,): times of the samples [s], increasing
+    reference_rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
+    x0, v0: position [m] and velocity [m/s] of the robot at t[0]
+    begin: the world's time at t[0] [s], on which some effects depend
+    """
+    since = t - t[0] + begin
+    return simulate_at(
+        parameters, since, reference_through(since, reference_rows), x0, v0, begin)
+
+
+def simulate_at(
+    parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
+) -> list[Truth]:
+    """
+    Simulate, and return the true states at given times.
+
+    t (N,): output times [s], >= begin, increasing
+    reference: from time [s] to the reference
+    """
+    world, truths = World(parameters, x0, v0, begin=begin), []
+    for now in t.tolist():
+        if now > world.t:
+            world.advance(now - world.t, reference)
+        truths.append(world.truth(reference))
+    return truths
+
+
 Stamps = NDArray[np.int64]
 
 
@@ -85,3 +154,42 @@ def simulate_force(
 def _measured(model: PlantParameters, truths: list[Truth]) -> Array:
     sensors = Sensors(model)
     return np.array([sensors.measure(truth) for truth in truths]).T
+
+
+_WRENCH = 'geometry_msgs/msg/WrenchStamped'
+_JOINT_STATE = 'sensor_msgs/msg/JointState'
+_TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
+Entry = tuple[int, str, str, bytes]  # stamp, topic, type, message
+
+
+def write_simulation(
+    path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
+) -> None:
+    """Write a simulation to an MCAP file."""
+    entries = [
+        *_references(simulation, TrajectoryEncoder(frame_id, joint)),
+        *_samples(simulation, axis, joint, frame_id),
+    ]
+    entries.sort(key=lambda entry: entry[0])
+    with RecordingWriter.file(path) as writer:
+        for stamp_ns, topic, type_name, data in entries:
+            writer.write(canonical(topic), type_name, data, stamp_ns)
+
+
+def _references(simulation: Simulation, encoder: TrajectoryEncoder) -> Iterator[Entry]:
+    rows = simulation.reference.T.tolist()
+    for stamp_ns, row in zip(simulation.reference_ns.tolist(), rows):
+        yield stamp_ns, 'reference_trajectory', _TRAJECTORY, encoder.encode(stamp_ns, *row)
+
+
+def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> Iterator[Entry]:
+    force, position, velocity = simulation.measured.tolist()
+    published = all(v == v for v in velocity)
+    wrenches = WrenchEncoder(frame_id)
+    joints = JointStateEncoder(frame_id, joint, published)
+    place = 'xyz'.index(axis)
+    for stamp_ns, F, x, v in zip(simulation.stamp_ns.tolist(), force, position, velocity):
+        vector = [0.0, 0.0, 0.0]
+        vector[place] = F
+        yield stamp_ns, 'joint_states', _JOINT_STATE, joints.encode(stamp_ns, x, v)
+        yield stamp_ns, 'wrench', _WRENCH, wrenches.encode(stamp_ns, *vector)

@@ -5,20 +5,61 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from functools import partial
 import math
 from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
-from .contact_mode import FREE, HELD, Instant, Mode, PRESSING, SLACK
 from .plant_parameters import PlantParameters
-from .runge_kutta import combine, shift, State
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
 from ..physics.effect import Effect
 from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
 from ..reference.setpoints import ReferenceAt
+
+
+State = tuple[float, ...]
+"""x [m], v [m/s], then the internal states of the effects."""
+
+
+def shift(state: State, h: float, rates: State) -> State:
+    """Return state + h rates."""
+    return tuple([s + h * rate for s, rate in zip(state, rates)])
+
+
+def combine(
+    state: State, h: float, k1: State, k2: State, k3: State, k4: State
+) -> list[float]:
+    """Return the state after a step h [s] with rates k1 to k4."""
+    sixth = h / 6.0
+    return [s + sixth * (a + 2.0 * b + 2.0 * c + d)
+            for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+
+
+class Mode(Enum):
+    """Which equation of contact holds; each equation is smooth."""
+
+    FREE = 'free'
+    PRESSING = 'pressing'
+    SLACK = 'slack'
+    """The surface is reached, but the force is 0 or at the largest pull."""
+
+    HELD = 'held'
+    """Out of contact, but the wall still pulls."""
+
+
+FREE, PRESSING, SLACK, HELD = Mode  # attribute access of an enumeration is slow
+
+
+class Instant(NamedTuple):
+    """Acceleration [m/s^2] and F_e [N] under the equation that holds."""
+
+    acceleration: float
+    force: float
+    mode: Mode
+
 
 _BISECTIONS = 30
 _MOST_SWITCHES = 4.0

@@ -20,8 +20,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from .message_classes import message_class
-from .topics import overridable
+from .topics import message_class, overridable
 
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy

@@ -11,10 +11,9 @@ from typing import Any, Callable, Sequence
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
-from .message_classes import message_class
 from .topics import (
-    FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY, VECTOR3,
-    WRENCH_TYPE)
+    FLOAT64, message_class, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY,
+    VECTOR3, WRENCH_TYPE)
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
     encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)

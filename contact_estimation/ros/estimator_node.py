@@ -16,16 +16,13 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from . import topics
-from .arm_topics import ArmTopics
-from .axis_description import AxisDescription
+from .arm_topics import ArmTopics, AxisDescription
 from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
-from .estimator_diagnostics import EstimatorDiagnostics
+from .estimator_diagnostics import EstimatorDiagnostics, Graph
 from .estimator_node_parameters import EstimatorNodeParameters
-from .graph import Graph
-from .node_log import NodeLog
 from .parameters import declare, serve_changes
-from .running import run_node
+from .running import NodeLog, run_node
 from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications

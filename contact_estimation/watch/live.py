@@ -9,8 +9,7 @@ from math import nan
 import re
 from typing import Any, Callable, Mapping, NamedTuple
 
-from .contact_log import ContactLog
-from .readings import Reading, Readings, readings_of
+from .readings import ContactLog, Reading, Readings, readings_of
 from ..exceptions import MessageError
 from ..messages import (
     decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)

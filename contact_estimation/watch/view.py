@@ -9,9 +9,20 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from .contact_log import CHECKS, ContactLog, STATUS
-from .plots import Plot, PLOTS
-from .rerun_sdk import require_rerun
+from .layouts import Plot, PLOTS
+from .readings import CHECKS, ContactLog, STATUS
+from ..exceptions import MissingPackageError
+
+
+def require_rerun() -> Any:
+    """Import Rerun."""
+    try:
+        import rerun
+        import rerun.blueprint
+    except ImportError as error:
+        raise MissingPackageError.of('rerun-sdk', 'the live view') from error
+    return rerun
+
 
 TIMELINE = 'time'
 _EPOCH_NS = 10**17  # stamps beyond it count from 1970; simulated time starts near 0

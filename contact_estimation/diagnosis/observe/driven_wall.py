@@ -28,7 +28,7 @@ from .observer import (
     run_velocity,
 )
 from ...physics.second_order import discretise
-from ...plant.between_samples import NOISE, smooth
+from ...plant.sampled_signals import NOISE, smooth
 
 Array = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from .smoothing import (
 )
 from ...physics.robot_law import RobotLaw
 from ...physics.second_order import discretise, SecondOrder
-from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
+from ...plant.sampled_signals import BETWEEN
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

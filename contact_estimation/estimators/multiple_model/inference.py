@@ -17,14 +17,11 @@ from .constants import (
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter
 from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
-from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M, SURE
-from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
-from .moving import MovingWall
-from .rhythm import Rhythm, SETTLED, SURPRISE
-from .runs import Change, decided, Runs
+from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
+from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
 
 _LAWS = len(NAMES)

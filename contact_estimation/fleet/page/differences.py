@@ -8,9 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from .wording import probability, words
-from ..differences import differences
+from ..findings import differences, QUANTITIES
 from ..run import Fleet
-from ..trends import QUANTITIES
 
 
 def prepare(fleet: Fleet) -> dict[str, Any] | None:

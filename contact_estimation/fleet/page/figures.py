@@ -10,8 +10,8 @@ from typing import Any, Sequence
 import numpy as np
 
 from .wording import words
-from ..entry import Entry
-from ..trends import QUANTITIES, Trend
+from ..findings import QUANTITIES, Trend
+from ..table import Entry
 from ...figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 
 _OUTSIDE = 6.0  # interquartile ranges around the quartiles: values beyond are not shown

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 from .wording import start_of, words
-from ..entry import Entry
+from ..findings import by_group
 from ..run import Fleet
-from ..trends import by_group
+from ..table import Entry
 
 
 def prepare(fleet: Fleet) -> dict[str, Any]:

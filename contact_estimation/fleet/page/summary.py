@@ -9,9 +9,8 @@ from collections import Counter
 from typing import Any
 
 from .wording import signed_percents, words
-from ..differences import differences
+from ..findings import differences, QUANTITIES, Trend, trends
 from ..run import Fleet
-from ..trends import QUANTITIES, Trend, trends
 
 
 def prepare(fleet: Fleet) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from typing import Any
 
 from .figures import plot_trend
 from .wording import signed_percents
+from ..findings import QUANTITIES, Trend, trends
 from ..run import Fleet
-from ..trends import QUANTITIES, Trend, trends
 
 
 def prepare(fleet: Fleet) -> dict[str, Any] | None:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from datetime import datetime, timezone
 from math import floor, isfinite, log10
 
-from ..entry import Entry
-from ..trends import Trend
+from ..findings import Trend
+from ..table import Entry
 
 _YEAR_NS = 31_557_600 * 10**9
 _MOST_DECIMALS = 9

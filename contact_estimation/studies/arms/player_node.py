@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ...recordings import RecordingReader
 from ...ros import topics
-from ...ros.message_classes import message_class
+from ...ros.topics import message_class
 
 # Sensor drivers are best effort; a description is latched.
 _SENSOR_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -12,8 +12,7 @@ from typing import Callable
 from ...parameters.values import build
 from ...physics import PhysicsParameters
 from ...plant.plant_parameters import PlantParameters, SensorParameters, WallParameters
-from ...plant.simulation import simulate_experiment
-from ...plant.simulation_file import write_simulation
+from ...plant.simulation import simulate_experiment, write_simulation
 from ...reference.experiment import Experiment, Multisine, Segment
 
 ROBOTS = ('robot_a', 'robot_b', 'robot_c')

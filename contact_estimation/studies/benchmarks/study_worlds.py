@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-from ...estimators.environment_parameters import EnvironmentParameters
+from ...estimators.parameters import EnvironmentParameters
 from ...physics.random_strength import log_uniform
 from ...signals.contact_sample import ContactSample
 from ...signals.synchronisation import SynchronisationParameters, Synchroniser

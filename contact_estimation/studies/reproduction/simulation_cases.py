@@ -13,8 +13,8 @@ from ...estimators import OFFLINE_ESTIMATORS
 from ...estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from ...parameters.values import build
 from ...plant.closed_loop import ClosedLoopRun, run_closed_loop
-from ...plant.open_loop import run_open_loop
 from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ...plant.simulation import run_open_loop
 from ...signals.contact_sample import ContactRecording
 
 PLAIN = {'conditioning.cutoff_frequency': 0.0, 'excitation.maximum_relative_std': 1e9}

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from .three_contacts_world import B_E, GEOMETRY, Instant, K_E, MU
-from ...estimators.contact_points_estimator import ContactPointsEstimate, ContactPointsEstimator
-from ...estimators.contact_points_parameters import ContactPointsParameters
+from ...estimators.contact_points_estimator import (
+    ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters)
 
 VARIANTS: dict[str, ContactPointsParameters] = {
     'friction estimated': ContactPointsParameters(),
