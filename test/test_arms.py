@@ -13,7 +13,7 @@ from contact_estimation.studies.arms.arm_files import ArmFiles, tool_parameters,
 from contact_estimation.studies.arms.arm_models import (
     ARMS, description_of, mujoco, mujoco_model, TIP,
 )
-from contact_estimation.studies.arms.contact_study import (
+from contact_estimation.studies.arms.evaluation import (
     calibrated, errors, estimated_with,
 )
 import numpy as np

@@ -15,7 +15,7 @@ from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.studies.__main__ import main, STUDIES
 from contact_estimation.studies.arms.live_run import warned
 from contact_estimation.studies.benchmarks import watch_benchmark
-from contact_estimation.studies.benchmarks.lag_evidence import lag_evidence
+from contact_estimation.studies.benchmarks.input_checks import lag_evidence
 import numpy as np
 import pytest
 from reference_messages import header, new, serialized

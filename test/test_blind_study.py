@@ -30,7 +30,7 @@ from contact_estimation.studies.blind_trials.study import (
     run_study,
     run_trial,
 )
-from contact_estimation.studies.blind_trials.trial_files import TrialFiles, write_json, write_trial
+from contact_estimation.studies.blind_trials.trial import TrialFiles, write_json, write_trial
 import numpy as np
 import pytest
 

@@ -21,7 +21,7 @@ from contact_estimation.estimators.contact_points import (
     total_wrench,
 )
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.studies.reproduction.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.studies.reproduction.three_contacts import GEOMETRY, motion_at
 import numpy as np
 import pytest
 

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.studies.benchmarks.record_score import class_of, with_relatives
-from contact_estimation.studies.benchmarks.record_table import as_markdown, Row
-from contact_estimation.studies.benchmarks.records import find_records, main
+from contact_estimation.studies.benchmarks.records import (
+    as_markdown, class_of, find_records, main, Row, with_relatives)
 from diagnosed_worlds import recorded, write_model, write_recording
 import pytest
 

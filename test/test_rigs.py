@@ -20,8 +20,8 @@ from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.recorded_signals import read_signals
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.studies.blind_trials.family_scoring import NEUTRAL
-from contact_estimation.studies.blind_trials.nuisances import disturbed, draw_nuisances, Nuisances
-from contact_estimation.studies.blind_trials.rig import planned_motion, Rig, simulate_rig
+from contact_estimation.studies.blind_trials.rig import (
+    disturbed, draw_nuisances, Nuisances, planned_motion, Rig, simulate_rig)
 from contact_estimation.studies.blind_trials.rig_trial import (
     degree,
     draw_rig_trial,
@@ -32,10 +32,9 @@ from contact_estimation.studies.blind_trials.rig_trial import (
     rig_residual,
 )
 from contact_estimation.studies.blind_trials.rig_worlds import draw_rig, STAGES
-from contact_estimation.studies.blind_trials.simulation import Run, simulate
 from contact_estimation.studies.blind_trials.study import plan_study
-from contact_estimation.studies.blind_trials.trial_files import TrialFiles, write_rig_trial
-from contact_estimation.studies.blind_trials.worlds import SensorModel
+from contact_estimation.studies.blind_trials.trial import TrialFiles, write_rig_trial
+from contact_estimation.studies.blind_trials.worlds import Run, SensorModel, simulate
 from contact_estimation.studies.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
 import numpy as np
 import pytest

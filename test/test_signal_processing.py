@@ -14,7 +14,7 @@ from contact_estimation.estimators.signal_processing import (
     damping_ratio, dominant_frequency, environment_of, settling_time)
 from contact_estimation.exceptions import EstimationError
 from contact_estimation.signals.contact_sample import ContactRecording
-from contact_estimation.studies.reproduction.paper import B_E, K_E
+from contact_estimation.studies.reproduction.case import B_E, K_E
 from contact_estimation.studies.reproduction.simulation_cases import step_recording
 import numpy as np
 import pytest

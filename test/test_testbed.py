@@ -18,20 +18,10 @@ from contact_estimation.studies.reproduction.testbed_constants import (
     TESTBED,
     TestbedConstants,
 )
-from contact_estimation.studies.reproduction.testbed_identification import identify_arm
-from contact_estimation.studies.reproduction.testbed_runs import TRACKING_TARGET
-from contact_estimation.studies.reproduction.testbed_sensors import (
-    make_sensors,
-    PaperAcquisition,
-    RawAcquisition,
-)
-from contact_estimation.studies.reproduction.testbed_wall import (
-    free_rate,
-    moved,
-    pressing_force,
-    WallState,
-)
-from contact_estimation.studies.reproduction.testbed_world import TestbedWorld
+from contact_estimation.studies.reproduction.testbed_runs import identify_arm, TRACKING_TARGET
+from contact_estimation.studies.reproduction.testbed_world import (
+    free_rate, make_sensors, moved, PaperAcquisition, pressing_force, RawAcquisition, TestbedWorld,
+    WallState)
 import numpy as np
 import pytest
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.studies.reproduction.symmetric_matrix import solve, times
-from contact_estimation.studies.reproduction.testbed_arm import PlanarArm
+from contact_estimation.studies.reproduction.testbed_arm import PlanarArm, solve, times
 from contact_estimation.studies.reproduction.testbed_constants import ArmConstants, Triple
 import numpy as np
 from numpy.typing import NDArray

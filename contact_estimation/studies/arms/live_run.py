@@ -13,9 +13,8 @@ import time
 from typing import Any
 
 from .arm_files import ArmFiles
-from .contact_study import errors, Estimated
-from .diagnosis_study import Case
-from ..benchmarks.node_processes import end_node, start_node
+from .evaluation import Case, errors, Estimated
+from ..benchmarks.node_benchmark import end_node, start_node
 from ...exceptions import EstimationError
 from ...messages import decode_diagnostics, Vector3StampedDecoder
 from ...recordings import RecordingReader

@@ -16,9 +16,9 @@ from typing import Any
 
 from .arm_files import ArmFiles, tool_parameters, world_of
 from .arm_models import ARMS
-from .contact_study import calibrated, errors, estimated
-from .cost import kinematics_cost
-from .diagnosis_study import CONCEALED, concealed_case, diagnosed, diagnosis_of
+from .evaluation import (
+    calibrated, CONCEALED, concealed_case, diagnosed, diagnosis_of, errors, estimated,
+    kinematics_cost)
 from .report import as_markdown, plot_contact, plot_frames
 from ...commands.command_line import command, Parser
 from ...exceptions import ParameterRangeError, UnknownNameError

@@ -15,10 +15,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
-from .study_peers import PEERS, Trace
-from .study_report import as_markdown, convergence_figure, coverage_figure, error_figure, Results
-from .study_scores import candidates, scores
-from .study_worlds import make_world, SCENARIOS, STEADY, World
+from .study_report import (
+    as_markdown, candidates, convergence_figure, coverage_figure, error_figure, Results, scores)
+from .study_worlds import make_world, PEERS, SCENARIOS, STEADY, Trace, World
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError

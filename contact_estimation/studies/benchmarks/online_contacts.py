@@ -10,12 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from .online_paths import bump, start
 from .online_row import (
-    AS_TOLD, drawn_depth, drawn_sensor, drawn_wall, EXACT, presses, Row, spread, told, UNKNOWN,
-    WITHIN)
-from .online_trace import end_of_contact, in_contact, law_families, sample_at, Score, score, Trace
-from .online_worlds import simulate, World
+    AS_TOLD, drawn_depth, drawn_sensor, drawn_wall, end_of_contact, EXACT, in_contact,
+    law_families, presses, Row, sample_at, Score, score, spread, told, Trace, UNKNOWN, WITHIN)
+from .online_worlds import bump, simulate, start, World
 from ...physics.random_strength import log_uniform
 
 _ADVICE = {'surface_unchecked'}  # checks that advise where nothing is wrong

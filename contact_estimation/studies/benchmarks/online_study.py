@@ -20,8 +20,7 @@ from zlib import crc32
 import numpy as np
 
 from . import online_contacts, online_inputs, online_walls
-from .online_row import Row
-from .online_trace import Score
+from .online_row import Row, Score
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .online_paths import Array, ramp
-from .online_row import AS_TOLD, drawn_sensor, drawn_wall, presses, Row, told, WITHIN
-from .online_trace import law_families, Score, score, settled_instants, Trace
-from .online_worlds import simulate, World
+from .online_row import (
+    AS_TOLD, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score, settled_instants,
+    told, Trace, WITHIN)
+from .online_worlds import Array, ramp, simulate, World
 from ...physics.random_strength import log_uniform
 
 _LAW_AFTER_S = 3.0

@@ -1,13 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Diagnose the records of a folder and score the names.
-
-A record is NAME.mcap with NAME.nominal.yaml and, where something is known about it,
-NAME.truth.json. A NAME with 'train' is tested on the recording with 'pulses' in its place, if
-there is one.
-"""
+"""Diagnose the records of a folder and score the names."""
 
 from __future__ import annotations
 
@@ -21,13 +15,138 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .record_score import class_of
-from .record_table import as_markdown, Row
+from ..blind_trials.family_scoring import (
+    NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from ..blind_trials.study import diagnose_command
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
 from ...diagnosis.observe.read_recording import read_recording
 from ...exceptions import ParameterRangeError, RecordingError
+from ...physics import EFFECTS
+
+
+CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
+           'failed')
+"""Classes of a record of which the truth is known."""
+
+_ALIKE = (
+    {'coulomb_friction', 'stribeck_friction', 'presliding_friction', 'robot_friction',
+     'bouc_wen_hysteresis'},
+    {'bouc_wen_hysteresis', 'plastic_set', 'unloading_hysteresis', 'presliding_friction'},
+    {'dead_zone', 'backlash', 'contact_offset'},
+)
+# These are of one kind as acceptable names, but each of them says less than its family.
+_ALONE = {'bouc_wen_hysteresis', *NEUTRAL}
+_MIXED = ('wall_motion', 'limits', 'robot')  # families whose members are different things
+
+
+def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
+    """Return the effects that a truth file asks for."""
+    if 'acceptable_names' in truth:
+        return set(truth['acceptable_names'])
+    if 'families' in truth:
+        return of_families(truth['families'])
+    if 'effects' in truth:
+        return {name for effect in truth['effects']
+                for name in (effect['name'], *effect.get('also', []))}
+    raise RecordingError(
+        f'a truth file must have acceptable_names, effects or families, got '
+        f'{", ".join(truth) or "nothing"}; add one of them')
+
+
+def with_relatives(names: set[str]) -> set[str]:
+    """
+    Add to acceptable names those of their families.
+
+    Real friction rests, slides and hystereses at once: pre-sliding and Bouc-Wen laws, and friction
+    of the robot or of the contact, count as one kind here.
+    """
+    telling = names - _ALONE
+    families = {EFFECTS[name].family for name in telling if name in EFFECTS}.difference(_MIXED)
+    found = names | (of_families(list(families)) - set(NEUTRAL))
+    return found.union(*(alike for alike in _ALIKE if alike & telling))
+
+
+def class_of(truth: Mapping[str, Any], report: Mapping[str, Any] | None) -> str:
+    """Return the class of a report."""
+    asked = acceptable_names(truth)
+    names = scored_names((report or {}).get('effects', []), with_relatives(asked),
+                         set(NEUTRAL) - asked)
+    outcome = outcome_of(report is not None, names)
+    if outcome == RIGHT:
+        return 'right alone' if all(name.right for name in names) else 'right with surplus'
+    if outcome == SILENT:
+        return 'silent' if asked else 'rightly silent'
+    return 'failed' if report is None else 'wrong first'
+
+
+_COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', 'class',
+            'held-out force error / std of the force', 'CPU [s]')
+
+
+class Row(NamedTuple):
+    """One diagnosed record."""
+
+    # name, source: of the record; '' without a known source
+    name: str
+    source: str
+    verdict: str  # '' after a failure
+    effects: Sequence[Mapping[str, Any]]  # as in the report
+    outcome: str  # one of CLASSES; '' where no truth is known
+    # recalibrated, corrected: held-out force errors, relative to the standard deviation of the
+    # force
+    recalibrated: float | None
+    corrected: float | None
+    error: str  # message of a failed diagnosis
+    cpu_s: float  # processor time of the diagnosis [s]
+
+
+def as_markdown(rows: Sequence[Row]) -> str:
+    """Format the table and its totals."""
+    lines = [_line(_COLUMNS), '|' + '---|' * len(_COLUMNS), *(_line(_cells(row)) for row in rows)]
+    return '\n'.join([*lines, '', *_totals(rows)])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return '| ' + ' | '.join(' '.join(cell.split()).replace('|', '\\|') for cell in cells) + ' |'
+
+
+def _cells(row: Row) -> list[str]:
+    return [row.name, row.source, row.verdict.replace('_', ' ') or '-', _names(row),
+            row.outcome or '-', _errors(row), f'{row.cpu_s:.0f}']
+
+
+def _names(row: Row) -> str:
+    if row.error:
+        return row.error
+    return '; '.join(_name(effect) for effect in row.effects) or 'none'
+
+
+def _name(effect: Mapping[str, Any]) -> str:
+    share, ends = 100.0 * effect['share'], effect['share_interval']
+    digits = 0 if share >= 10.0 else 1
+    interval = '' if None in ends else (
+        f' ({100.0 * ends[0]:.{digits}f} to {100.0 * ends[1]:.{digits}f} %)')
+    of_rest = effect.get('share_beside_zeros')
+    beside = '' if of_rest is None else f', {100.0 * of_rest:.0f} % of what the zeros leave'
+    return f'`{effect["name"]}` {share:.{digits}f} %{interval}{beside}'
+
+
+def _errors(row: Row) -> str:
+    if row.recalibrated is None or row.corrected is None:
+        return '-'
+    return f'{100.0 * row.recalibrated:.3g} → {100.0 * row.corrected:.3g} %'
+
+
+def _totals(rows: Sequence[Row]) -> list[str]:
+    """Count the classes, and sum up the processor time."""
+    scored = [row.outcome for row in rows if row.outcome]
+    counts = [f'{name} {scored.count(name)} ({100.0 * scored.count(name) / len(scored):.0f} %)'
+              for name in CLASSES if name in scored]
+    text = f'{len(rows)} records, {len(scored)} with a known truth'
+    return [f'{text}: {", ".join(counts)}.' if counts else f'{text}.',
+            f'Processor time: {sum(row.cpu_s for row in rows):.0f} s.']
+
 
 _TRAIN, _PARTNER = 'train', 'pulses'
 

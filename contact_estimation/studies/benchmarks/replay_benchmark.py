@@ -12,9 +12,8 @@ import sys
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from .long_recording import write_long_recording
-from .table import print_table
-from .timed_process import Cost, run_timed
+from .measuring import Cost, print_table, run_timed
+from .simulated_samples import write_long_recording
 from ...estimators import MULTIPLE_MODEL
 from ...exceptions import RecordingError
 from ...recordings import RecordingReader

@@ -15,9 +15,8 @@ from tempfile import TemporaryDirectory
 import time
 from typing import Any, Iterator
 
-from .cpu_meter import CpuMeter, process_cpu_s
-from .node_processes import end_node, own_domain
-from .table import print_table
+from .measuring import CpuMeter, print_table, process_cpu_s
+from .node_benchmark import end_node, own_domain
 from ...exceptions import ContactEstimationError
 
 _NODE = 'estimator_node'

@@ -17,8 +17,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .simulation import Run
-from .worlds import RandomWorld
+from .worlds import RandomWorld, Run
 
 Array = NDArray[np.float64]
 

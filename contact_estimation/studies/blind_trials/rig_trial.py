@@ -17,8 +17,7 @@ from scipy.signal import butter, filtfilt
 from .concealment import active_intervals, conceal, rms_ratio
 from .rig import Rig, simulate_rig
 from .rig_worlds import draw_rig, STAGES
-from .simulation import Run
-from .worlds import draw_nominal_wall
+from .worlds import draw_nominal_wall, Run
 from ..foreign_laws import ALL_LAWS
 from ..foreign_laws.law import ForeignLaw, Magnitudes, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters

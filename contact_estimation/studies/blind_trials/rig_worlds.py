@@ -12,8 +12,7 @@ from typing import Callable, Mapping
 from numpy.random import Generator
 
 from .experiments import Builder, Stage
-from .nuisances import draw_nuisances
-from .rig import Rig
+from .rig import draw_nuisances, Rig
 from .worlds import draw_world, SensorModel
 from ..foreign_laws.law import log_uniform
 from ...plant.plant_parameters import WallParameters

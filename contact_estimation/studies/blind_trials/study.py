@@ -21,8 +21,7 @@ from .calibration import judged, JudgedTrial
 from .family_scoring import family_score, FamilyScore
 from .rig_trial import draw_rig_trial
 from .scoring import Score, score
-from .trial import draw_trial, plan_effects
-from .trial_files import TrialFiles, write_json, write_rig_trial, write_trial
+from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
 from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from ...scheduling import Call, Workers
 

@@ -1,23 +1,33 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""A trial: a randomised world, one effect or none, and a nominal model that lacks the effect."""
+"""A trial: a randomised world, one effect or none, a nominal model without it; its files."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+import json
 from math import exp, log
-from typing import Iterable
+import os
+from pathlib import Path
+from typing import Any, Iterable, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
+import yaml
 
 from .concealment import conceal, Concealed, degree, TOLERANCE
-from .simulation import Run, scales_of, simulate
-from .worlds import draw_nominal_wall, draw_world, RandomWorld
+from .rig import simulate_rig
+from .rig_trial import integration_rate, rig_truth, RigTrial
+from .worlds import (
+    draw_nominal_wall, draw_world, INTEGRATION_HZ, measure, Measurement, RandomWorld, Run,
+    scales_of, simulate, TRUTH_HZ)
+from ...messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ...physics import EFFECTS
 from ...physics.random_strength import Strength, Values
-from ...plant.plant_parameters import WallParameters
+from ...plant.plant_parameters import RobotParameters, WallParameters
+from ...recordings import RecordingWriter
+
 
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
 """Range of the degree of concealment, log-uniform."""
@@ -127,3 +137,143 @@ def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallPara
     damping = EFFECTS[effect].equivalent_damping(values, wall.damping, world.depth)
     return WallParameters(
         stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)
+
+
+def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
+    """
+    Collect the ground truth of a trial.
+
+    force_floor: RMS of the recorded force noise [N]
+    """
+    world, effect = trial.world, EFFECTS.get(trial.effect)
+    effects = [] if effect is None else [
+        {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values)}]
+    clean_verdict = 'consistent' if trial.is_exact else 'recalibrate'
+    return {
+        'effects': effects,
+        'verdict': 'physics_missing' if effects else clean_verdict,
+        'stiffness': (
+            None if getattr(effect, 'replaces_stiffness', False) else world.wall.stiffness),
+        'damping': 0.0 if getattr(effect, 'replaces_damping', False) else world.wall.damping,
+        'concealed': _degree(trial, run),
+        'force_floor_n': force_floor,
+        'experiment': world.experiment.name,
+        'sensing': asdict(world.sensors),
+    }
+
+
+def _degree(trial: Trial, run: Run) -> float:
+    """Compute the degree of concealment of the final simulation."""
+    if not trial.effect:
+        return 1.0
+    world = trial.world
+    without = simulate(world, {}, world.sensors.rate)
+    return degree(EFFECTS[trial.effect].needs_robot, world, _at_sample_rate(trial, run), without)
+
+
+def _at_sample_rate(trial: Trial, run: Run) -> Run:
+    every = round(TRUTH_HZ / trial.world.sensors.rate)
+    return Run(*(signal[::every] for signal in run))
+
+
+_EPOCH_NS = 1_760_000_000_000_000_000
+_JOINT = 'contact_axis'
+_TRANSPORT_NS = 150_000  # from stamp to log time
+
+
+class TrialFiles(NamedTuple):
+    """Paths of the files of a trial."""
+
+    # recording, nominal: input of the diagnosis
+    recording: Path
+    nominal: Path
+    report: Path  # report of the diagnosis
+    truth: Path  # ground truth, in a folder that the diagnosis does not know
+
+    @classmethod
+    def of(cls, folder: Path, name: str) -> 'TrialFiles':
+        """Return the paths of a trial."""
+        inputs = folder / 'handed_over'
+        return cls(inputs / f'{name}.mcap', inputs / f'{name}.nominal.yaml',
+                   folder / 'reports' / f'{name}.json', folder / 'sealed' / f'{name}.truth.json')
+
+
+def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
+    """Simulate a trial and write recording, nominal model and, last, the ground truth."""
+    run = simulate(trial.world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
+    measurement = measure(run, trial.world.sensors, rng)
+    with_velocity = trial.world.sensors.velocity_noise is not None
+    _write_inputs(files, measurement, with_velocity,
+                  nominal_model(trial.nominal, trial.world.robot))
+    write_json(files.truth, ground_truth(trial, run, measurement.force_floor))
+
+
+def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
+    """
+    Simulate a trial on a rig and write recording, nominal model and, last, the ground truth.
+
+    An attached specimen has no robot, and its recording no reference.
+    """
+    rig = trial.rig
+    run = simulate_rig(rig, trial.make_law(), integration_rate(rig), rng)
+    measurement = measure(run, rig.sensors, rng)
+    _write_inputs(files, measurement, rig.sensors.velocity_noise is not None,
+                  nominal_model(trial.nominal, rig.robot), with_reference=rig.robot is not None)
+    write_json(files.truth, rig_truth(trial, run, measurement.force_floor))
+
+
+def _write_inputs(
+    files: TrialFiles, measurement: Measurement, with_velocity: bool, nominal: str,
+    with_reference: bool = True,
+) -> None:
+    """Write recording and nominal model."""
+    files.recording.parent.mkdir(parents=True, exist_ok=True)
+    files.recording.unlink(missing_ok=True)  # incomplete: the study was interrupted
+    _write_recording(files.recording, measurement, with_velocity, with_reference)
+    files.nominal.write_text(nominal)
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a JSON file atomically."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix('.part')
+    part.write_text(json.dumps(content, indent=1) + '\n')
+    os.replace(part, path)
+
+
+def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
+    """Write the nominal model: the wall as modelled, the true robot."""
+    environment = {'stiffness': wall.stiffness, 'damping': wall.damping,
+                   'location': wall.location}
+    values: dict[str, Any] = {'environment': environment}
+    if not wall.unilateral:
+        environment.update(inertia=wall.inertia, unilateral=False)
+    if robot is not None:
+        values['robot'] = {
+            'mass': robot.mass, 'damping': robot.damping, 'stiffness': robot.stiffness}
+    return str(yaml.safe_dump({'plant_node': {'ros__parameters': values}}, sort_keys=False))
+
+
+def _write_recording(
+    path: Path, measurement: Measurement, with_velocity: bool, with_reference: bool
+) -> None:
+    wrench = WrenchEncoder('tool')
+    joint = JointStateEncoder('base', _JOINT, with_velocity)
+    reference = TrajectoryEncoder('base', _JOINT)
+    topics = (
+        (measurement.force, '/wrench', 'geometry_msgs/msg/WrenchStamped',
+         lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
+        (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
+         lambda stamp, motion: joint.encode(stamp, *motion)),
+        (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
+    )
+    messages = [
+        (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
+        for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
+    ]
+    messages.sort(key=lambda message: message[0])
+    with RecordingWriter.file(path) as writer:
+        for stamp, topic, type_name, data in messages:
+            writer.write(topic, type_name, data, stamp + _TRANSPORT_NS)

@@ -11,8 +11,7 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .case import OnlineCase
-from .paper import B_E, K_E
+from .case import B_E, K_E, OnlineCase
 from .simulation_cases import SIMULATION_CASES, step_recording
 from .testbed_cases import LONG_HOLD_S, online_cases, record_testbed_step
 from ...estimators.signal_processing import FFT_POINTS, SETTLED, step_response

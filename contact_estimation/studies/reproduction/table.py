@@ -11,8 +11,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .case import Case, Errors
-from .paper import PAPER
+from .case import Case, Errors, PAPER
 from .simulation_cases import SIMULATION_CASES
 from .testbed_cases import TESTBED_CASES
 

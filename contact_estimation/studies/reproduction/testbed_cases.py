@@ -11,9 +11,8 @@ from typing import Any, ClassVar, Mapping
 from .case import BEST, BEST_TUNING, Case, OnlineCase, step_reference, STEP_RUN_S, StepCase
 from .simulation_cases import PLAIN, RLS_TUNING
 from .testbed_constants import TESTBED
-from .testbed_identification import identify_arm
-from .testbed_runs import record_testbed, run_testbed
-from .testbed_sensors import Acquisition, PaperAcquisition, RawAcquisition
+from .testbed_runs import identify_arm, record_testbed, run_testbed
+from .testbed_world import Acquisition, PaperAcquisition, RawAcquisition
 from ...estimators import OFFLINE_ESTIMATORS
 from ...estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from ...plant.closed_loop import ClosedLoopRun

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .paper import B_E, K_E
+from .case import B_E, K_E
 
 Triple = tuple[float, float, float]
 

@@ -1,17 +1,80 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Arm and wall of the testbed, integrated at 2 kHz; the controller runs at the sample rate."""
+"""Arm and wall of the testbed, integrated at 2 kHz, and its sensors."""
 
 from __future__ import annotations
 
-from .testbed_arm import PlanarArm, Tip
-from .testbed_constants import TestbedConstants, Triple
-from .testbed_controller import ImpedanceController
-from .testbed_wall import free_rate, moved, pressing_force, WallState
+from abc import ABC, abstractmethod
+from math import exp, nan
+from typing import NamedTuple
+
+from .testbed_arm import ImpedanceController, PlanarArm, Tip
+from .testbed_constants import FlexibleWallConstants, TestbedConstants, Triple
 from ...estimators.offline_estimator import TargetImpedance
+from ...parameters.values import build
+from ...plant.plant_parameters import PlantParameters
+from ...plant.sensors import Sensors
 from ...plant.world import Truth
 from ...reference.setpoints import Reference
+from ...signals.filters import ButterworthBank
+
+
+class WallState(NamedTuple):
+    """Deflection [m] and friction as a fraction of its limit, -1 to 1."""
+
+    deflection: float
+    friction: float
+
+
+def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the friction limit of the bearings at a rate: the Stribeck curve.
+
+    rate: rate of the deflection [m/s]
+    Returns force: F_c + (F_s - F_c) exp(-(v / v_s)^2) [N]
+    """
+    more = wall.static_friction - wall.sliding_friction
+    return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
+
+
+def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the rate of the untouched wall with rolling bearings.
+
+    Returns rate: rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s]
+    """
+    friction = wall.sliding_friction * state.friction
+    return -(wall.stiffness * state.deflection + friction) / wall.damping
+
+
+def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
+    """
+    Compute the state after a change of the deflection.
+
+    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    friction depends on the travelled distance only and approaches its limit over s.
+
+    step: change of the deflection [m]
+    """
+    if step == 0.0:
+        return state
+    end = 1.0 if step > 0.0 else -1.0
+    left = exp(-abs(step) / wall.presliding)
+    return WallState(state.deflection + step, end + (state.friction - end) * left)
+
+
+def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the force of a tool that moves with the wall.
+
+    rate: rate of the tool [m/s]
+    Returns force: K_e w + B_e w' + F(w') z [N]; negative where the tool retreats faster than the
+    wall
+    """
+    friction = friction_limit(rate, wall) * state.friction
+    return wall.stiffness * state.deflection + wall.damping * rate + friction
+
 
 _CLOSED = 1e-12  # gap between tool and wall that counts as contact [m]
 
@@ -103,3 +166,62 @@ class TestbedWorld:
         tool = self._arm.tip_x(angles) - self._p.arm.surface_x
         alone = wall.deflection + h * free_rate(wall, self._p.wall)
         return moved(wall, max(alone, tool) - wall.deflection, self._p.wall)
+
+
+class Acquisition(ABC):
+    """Processing of sensor samples before estimation."""
+
+    @abstractmethod
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        """
+        Process one sample.
+
+        force: F_e from the force sensor [N]
+        position: deflection of the wall from the potentiometer [m]
+        Returns force, position, velocity: input of the estimator [N], [m], [m/s]; NaN without a
+        velocity
+        """
+
+
+class RawAcquisition(Acquisition):
+    """Raw samples, for estimators that filter and differentiate themselves."""
+
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        """Return force and position unchanged; see `Acquisition.process`."""
+        return force, position, nan
+
+
+class PaperAcquisition(Acquisition):
+    """
+    The paper's processing, section 5.1.
+
+    All signals are Butterworth-filtered; the velocity is the filtered finite difference of the
+    deflection; the static friction is subtracted from the force, whichever way the wall moves.
+    """
+
+    def __init__(self, constants: TestbedConstants) -> None:
+        self._rate, self._friction = constants.sample_rate, constants.wall.static_friction
+        self._filter = ButterworthBank(3, constants.sensing.filter_cutoff, self._rate)
+        self._last = nan
+
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        """Filter, differentiate, subtract; see `Acquisition.process`."""
+        last = self._last if self._last == self._last else position
+        self._last = position
+        row = force, position, (position - last) * self._rate
+        force, position, velocity = self._filter.take(row)
+        return min(0.0, force + self._friction), position, velocity
+
+
+def make_sensors(constants: TestbedConstants, seed: int) -> Sensors:
+    """Build force sensor and potentiometer."""
+    sensing = constants.sensing
+    return Sensors(build(PlantParameters, {
+        'sensors.force_noise': sensing.force_noise,
+        'sensors.position_noise': sensing.potentiometer_noise,
+        'sensors.position_quantisation': sensing.potentiometer_step,
+        'sensors.publish_velocity': False,
+        'sensors.distribution': 'uniform',
+        'sample_rate': constants.sample_rate,
+        'seed': seed,
+    }))
