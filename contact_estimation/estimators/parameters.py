@@ -76,7 +76,7 @@ class TrackingParameters(ParameterGroup):
         True,
         'Reopen the estimate where the wall has changed, and at every new contact, which '
         'starts with K_hat and B_hat as a prior, and follow its surface; false: as the estimator '
-        'alone follows, at the surface as told',
+        'alone follows, at the configured surface',
     )
     carried_std: float = parameter(
         1.0, 'Standard deviation of K_hat and B_hat, relative to them, at a new contact',

@@ -193,7 +193,7 @@ class EstimationParameters(ParameterGroup):
     force_sensor: ForceSensorParameters = group(ForceSensorParameters, 'Force sensor of an arm')
     tool: ToolParameters = group(ToolParameters, 'Load of the tool on the force sensor of an arm')
     further_axes: FurtherAxesParameters = group(
-        FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
+        FurtherAxesParameters, 'Axes estimated in addition to the contact axis, each independently; '
         'all other parameters are shared')
     matrix_estimator: str = parameter(
         'off', 'Estimator of the full 3 x 3 stiffness and damping; needs all three axes',

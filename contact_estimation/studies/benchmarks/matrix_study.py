@@ -174,7 +174,7 @@ def run(options: Any) -> int:
     if options.worlds < 1 or options.seed < 0 or options.seconds < 0.5:
         raise ParameterRangeError('expected --worlds >= 1, --seed >= 0 and --seconds >= 0.5')
     print('| mu | K error, median / 90 % | B error | angle of the normal [deg] | K within 2 std '
-          '| B | normal | mu | friction told |\n|' + ' --- |' * 9)
+          '| B | normal | mu | friction identified |\n|' + ' --- |' * 9)
     for friction in FRICTIONS:
         worlds = (make_world(k, friction, options.seed, options.seconds)
                   for k in range(options.worlds))
