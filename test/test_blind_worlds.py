@@ -10,7 +10,7 @@ from dataclasses import replace
 from blind_worlds import ROBOT, short_trial, synthetic_run, WALL, WORLD
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
-from contact_estimation.physics.scales import Scales
+from contact_estimation.physics.drawn_effect import Scales
 from contact_estimation.reference.experiment import Sine
 from contact_estimation.studies.blind_trials.concealment import (
     active_intervals, conceal, degree, residual)

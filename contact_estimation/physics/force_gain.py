@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from .drawn_effect import random_sign, Scales, Strength
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
-from .random_strength import random_sign, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 CALIBRATED = 0.05

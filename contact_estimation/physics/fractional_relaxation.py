@@ -15,9 +15,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength
 from .numeric import Array, Flags, Number
-from .random_strength import Strength
-from .scales import Scales
 from .viscoelastic_relaxation import REPELS
 from ..parameters.specification import optional_parameter, ParameterGroup
 

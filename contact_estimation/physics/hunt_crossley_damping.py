@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Values
 from .numeric import Number, positive
-from .random_strength import Values
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 LARGEST_DAMPING = 300.0

@@ -10,10 +10,8 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .joint import Joint
-from .random_strength import log_uniform, Strength
-from .robot_effect import RobotEffect
-from .scales import Scales
+from .drawn_effect import log_uniform, Scales, Strength
+from .robot_effect import Joint, RobotEffect
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import log_uniform, Scales, Strength, Tone
 from .numeric import Number
-from .random_strength import log_uniform, Strength
-from .scales import Scales, Tone
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

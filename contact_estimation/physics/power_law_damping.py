@@ -11,10 +11,9 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength, Values
 from .hunt_crossley_damping import LARGEST_DAMPING
 from .numeric import Number
-from .random_strength import Strength, Values
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

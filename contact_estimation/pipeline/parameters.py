@@ -193,8 +193,8 @@ class EstimationParameters(ParameterGroup):
     force_sensor: ForceSensorParameters = group(ForceSensorParameters, 'Force sensor of an arm')
     tool: ToolParameters = group(ToolParameters, 'Load of the tool on the force sensor of an arm')
     further_axes: FurtherAxesParameters = group(
-        FurtherAxesParameters, 'Axes estimated in addition to the contact axis, each independently; '
-        'all other parameters are shared')
+        FurtherAxesParameters, 'Axes estimated in addition to the contact axis, each '
+        'independently; all other parameters are shared')
     matrix_estimator: str = parameter(
         'off', 'Estimator of the full 3 x 3 stiffness and damping; needs all three axes',
         choices=('off', *MATRIX_ESTIMATORS), read_only=True,

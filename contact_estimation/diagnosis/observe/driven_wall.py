@@ -27,7 +27,7 @@ from .observer import (
     run,
     run_velocity,
 )
-from ...physics.second_order import discretise
+from ...physics.numeric import discretise
 from ...plant.sampled_signals import NOISE, smooth
 
 Array = NDArray[np.float64]

@@ -25,8 +25,8 @@ class TwoForces(Check):
 
     name = 'two_forces'
     message = Courses(-46.0, 0.0).text('force', 'wrench', 'N')
-    cause = ('Two publishers on the topic, a recording that is played while the sensor is live, or '
-             'a driver that publishes zeros between its measurements.')
+    cause = ('Two publishers on the topic, a recording that is played while the sensor is live, '
+             'or a driver that publishes zeros between its measurements.')
     remedy = 'Stop or remap the other publisher, or repair the driver.'
     invalidates = True
 

@@ -24,7 +24,7 @@ from .worlds import (
     scales_of, simulate, TRUTH_HZ)
 from ...messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ...physics import EFFECTS
-from ...physics.random_strength import Strength, Values
+from ...physics.drawn_effect import Strength, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...recordings import RecordingWriter
 

@@ -16,8 +16,7 @@ from scipy.signal import butter, lfilter
 
 from .experiments import draw_experiment, Stage
 from ...parameters.values import build, flatten
-from ...physics.random_strength import log_uniform, Values
-from ...physics.scales import Scales
+from ...physics.drawn_effect import log_uniform, Scales, Values
 from ...plant.plant_parameters import PlantParameters, RobotParameters, WallParameters
 from ...plant.world import World
 from ...reference.experiment import Experiment
