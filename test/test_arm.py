@@ -242,7 +242,7 @@ def test_a_normal_far_off_the_force_is_named(degrees: float, warned: bool) -> No
     across = np.array([0.8, 0.0, 0.6])
     normal = np.cos(tilt) * NORMAL + np.sin(tilt) * across
     session, _ = run(estimation={'contact.normal': normal.tolist(), 'environment.location': nan})
-    found = {one.warned.name: one.warned.text for one in session.checks.found_in_order()}
+    found = {one.warned.name: one.warned.text for one in session.checks.ordered_warnings()}
     assert ('force_direction' in found) == warned
     if warned:
         assert 'degrees off contact.normal' in found['force_direction']

@@ -125,7 +125,7 @@ def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
     return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
 
 
-def rubless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
+def frictionless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
     """
     Return the directions in which friction of sticking points cannot act.
 

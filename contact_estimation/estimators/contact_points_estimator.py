@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_points import (
-    Array, ContactGeometry, force_regressor, point_motions, PointMotions, rubless_directions,
+    Array, ContactGeometry, force_regressor, frictionless_directions, point_motions, PointMotions,
     ToolMotion)
 from .estimate import EstimateStatus
 from ..exceptions import SignalShapeError
@@ -170,7 +170,7 @@ class ContactPointsEstimator:
         if not self._free[2] and self._prior[2] == 0.0:
             return np.eye(3)  # no friction
         sticks = np.linalg.norm(motions.slip, axis=1) < self.parameters.sliding_speed
-        return rubless_directions(self.geometry, touching & sticks)
+        return frictionless_directions(self.geometry, touching & sticks)
 
     def _learn(self, Phi: Array, force: Array) -> None:
         """Add up to three rows to the information and update the parameters."""

@@ -45,7 +45,7 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
     return sorted(found.values(), key=lambda one: natural_order(one.name))
 
 
-def passed_over(paths: Sequence[str]) -> list[str]:
+def skipped_files(paths: Sequence[str]) -> list[str]:
     """Find the logs in given folders that are recordings of no kind that is searched for."""
     return [printable(file.as_posix()) for given in paths if os.path.isdir(given)
             for file in sorted(Path(given).rglob('*'))

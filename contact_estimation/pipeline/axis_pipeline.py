@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from .checks.check import millimetres
 from .first_touch import FirstTouch
-from .parameters import EstimationParameters, of_the_wall, with_joints
+from .parameters import EstimationParameters, include_joint_compliance, remove_robot_compliance
 from .row_estimation import RowEstimation
 from .wall_law import ModelFitMonitor
 from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.multiple_model import CONTACT, FREE, Knowledge, LAWS, told_lag, WallPosterior
+from ..estimators.multiple_model import CONTACT, FREE, Knowledge, lag_prior, LAWS, WallPosterior
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
@@ -75,7 +75,7 @@ class EstimationPipeline:
         self._missing = 0  # before the present posterior
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
-        self._robot = with_joints(p.robot, p.physics)
+        self._robot = include_joint_compliance(p.robot, p.physics)
         self._compensate()
         self._begin()
 
@@ -88,7 +88,7 @@ class EstimationPipeline:
         self.location_margin = max(_MARGIN * environment.location_std, _LEAST_MARGIN)
         self.posterior = WallPosterior(
             environment.location, environment.location_std,
-            told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
+            lag_prior(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
         self._noted: Knowledge | None = None
@@ -167,7 +167,7 @@ class EstimationPipeline:
             self._start_rows()
         if self._of_rows is not None:
             self._of_rows.configure(parameters)
-        self._robot = with_joints(parameters.robot, parameters.physics)
+        self._robot = include_joint_compliance(parameters.robot, parameters.physics)
 
     def _start_rows(self) -> None:
         if self._of_rows is not None:
@@ -454,7 +454,7 @@ class EstimationPipeline:
     ) -> tuple[object, ...]:
         """Return the fields of an estimate after the stamp."""
         if self._robot.compliance or self._robot.compliance_std:
-            own = of_the_wall(own, self._robot)
+            own = remove_robot_compliance(own, self._robot)
         K, B, K_std, B_std, _, inertia = own
         if self.invalid:
             K_std = B_std = nan

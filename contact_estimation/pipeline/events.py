@@ -93,11 +93,11 @@ def set_location(session: ContactSession) -> tuple[bool, str, dict[str, float]]:
     x = session.last_position
     if x != x:
         return False, 'no sample yet; see /diagnostics for the reason', {}
-    done, caution = f'environment.location is now {x:.6g} m', caution_on_location(session)
+    done, caution = f'environment.location is now {x:.6g} m', warn_about_location(session)
     return True, f'{done}; {caution}' if caution else done, {'environment.location': x}
 
 
-def caution_on_location(session: ContactSession) -> str:
+def warn_about_location(session: ContactSession) -> str:
     """
     Return why the surface may not be where the tool is.
 

@@ -105,7 +105,7 @@ class RobotParameters(ParameterGroup):
     )
 
 
-def with_joints(robot: RobotParameters, physics: Any) -> RobotParameters:
+def include_joint_compliance(robot: RobotParameters, physics: Any) -> RobotParameters:
     """Add the compliance of joints that are known physics."""
     joints = [effect.joint(1.0) for effect in effects_that_are_on(physics)
               if isinstance(effect, RobotEffect)]
@@ -113,7 +113,7 @@ def with_joints(robot: RobotParameters, physics: Any) -> RobotParameters:
     return replace(robot, compliance=robot.compliance + yields) if yields else robot
 
 
-def of_the_wall(
+def remove_robot_compliance(
     estimate: tuple[float, float, float, float, float, float], robot: RobotParameters
 ) -> ParameterEstimate:
     """
@@ -136,7 +136,7 @@ def of_the_wall(
     )
 
 
-def seen_by_the_robot(stiffness: float, robot: RobotParameters) -> float:
+def add_robot_compliance(stiffness: float, robot: RobotParameters) -> float:
     """
     Return the stiffness of wall and robot in series, which relates measured position and force.
 

@@ -9,7 +9,7 @@ from bisect import bisect_left, insort
 from collections import Counter, deque
 from math import inf, isfinite, isnan, nan
 
-from .parameters import EstimationParameters, seen_by_the_robot, with_joints
+from .parameters import add_robot_compliance, EstimationParameters, include_joint_compliance
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
@@ -135,7 +135,7 @@ class ReferenceStream:
         default = parameters.force_reference
         if repr(default) != repr(self._default_force):  # NaN is not equal to itself
             self._default_force, self._resting = default, self._resting._replace(force=default)
-        self._robot = with_joints(parameters.robot, parameters.physics)
+        self._robot = include_joint_compliance(parameters.robot, parameters.physics)
         self.period_ns = round(1e9 / parameters.sample_rate)
 
     def change_clock(self) -> None:
@@ -203,7 +203,8 @@ class ReferenceStream:
                 self._deepest = deepest
         self._reference = self._generator.step(
             (target_ns - self._start_ns) * 1e-9, self._time.take(elapsed), desired, contact,
-            location, seen_by_the_robot(K_hat, self._robot) if self._robot.compliance else K_hat,
+            location,
+            add_robot_compliance(K_hat, self._robot) if self._robot.compliance else K_hat,
             deepest,
         )
         return self._reference

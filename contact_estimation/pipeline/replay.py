@@ -119,7 +119,7 @@ class RecordingReplay:
         waiting: deque[list[RecordedMessage]] = deque()
         count = 0
         for batch in batches:
-            data = self._sort_out(batch)
+            data = self._separate_events(batch)
             waiting.append(data)
             count += len(data)
             while count - len(waiting[0]) >= _AHEAD:
@@ -127,7 +127,7 @@ class RecordingReplay:
                 yield waiting.popleft()
         yield from waiting
 
-    def _sort_out(self, batch: list[RecordedMessage]) -> list[RecordedMessage]:
+    def _separate_events(self, batch: list[RecordedMessage]) -> list[RecordedMessage]:
         source = self._source
         aside = (source.events, source.reference_trajectory)
         data = [message for message in batch if message[0] not in aside]

@@ -175,7 +175,7 @@ class EstimatorDiagnostics:
             self._rejections = Rejections(
                 lambda reason: session.rejection_texts.get(reason, ''),
                 lambda: lag_in_words(session.motion_lag_s, session.parameters.motion_topic))
-        rejected = self._rejections.newly(session.rejected, self.processed)
+        rejected = self._rejections.new_warnings(session.rejected, self.processed)
         active = [*self._graph(session).items(), *session.notices.items()]
         active += [(warned.name, warned.text) for warned in session.checks.warnings()]
         if not rejected[0]:

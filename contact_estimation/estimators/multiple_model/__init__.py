@@ -6,7 +6,7 @@
 from .contact import CONTACT, FREE, NEITHER
 from .laws import NAMES as LAWS
 from .posterior import WallPosterior
-from .slow_states import Knowledge, told_lag
+from .slow_states import Knowledge, lag_prior
 
 __all__ = [
     'CONTACT',
@@ -14,6 +14,6 @@ __all__ = [
     'Knowledge',
     'LAWS',
     'NEITHER',
-    'told_lag',
+    'lag_prior',
     'WallPosterior',
 ]

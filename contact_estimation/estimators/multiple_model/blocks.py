@@ -265,7 +265,7 @@ class Blocks:
         phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent)
         return phi if whole.all() else phi[:, whole]
 
-    def beside_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
+    def next_to_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
         """Return 0 for rows across a jump of the force, which no wall explains, 1 for others."""
         force, x, _, whole = self._selected
         K, B, surface = wall

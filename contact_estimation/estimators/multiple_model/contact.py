@@ -218,12 +218,12 @@ class ContactFilter:
             if self._down > RELEASE:
                 self.state = FREE
             elif segment.count % 10 == 0:
-                self._look_again(z, variance, place)
+                self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
         return count
 
-    def _look_again(self, z: float, variance: float, place: float) -> None:
+    def _judge_again(self, z: float, variance: float, place: float) -> None:
         """Decide whether what is neither is a wall after all, or the level."""
         segment = self._segment
         count, mean, xx, xf, ff = segment.moments

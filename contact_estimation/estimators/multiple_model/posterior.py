@@ -22,7 +22,7 @@ GREATEST = 1e5
 """A larger force is no measurement [N]."""
 
 
-class Ahead:
+class Backlog:
     """Consecutive samples, and which of them may be taken at once."""
 
     def __init__(self, t: Array, force: Array, x: Array, v: Array) -> None:
@@ -148,7 +148,7 @@ class WallPosterior:
             self._begin_work(self.wall.parts_of(blocks.left))
             blocks.left = 0
         if self._work is not None:
-            self._go_on()
+            self._continue_work()
         before = contact.state
         contact.take((dt,), (felt_force,), (felt_x,), *self.wall.known[4:6])
         if contact.state != before:
@@ -162,7 +162,7 @@ class WallPosterior:
 
         t, force, x, v (N,): as of `take`
         """
-        blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)
+        blocks, contact, ahead = self.blocks, self.contact, Backlog(t, force, x, v)
         table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
         while done < len(t):
             end = ahead.steady_until(done, blocks)
@@ -232,7 +232,7 @@ class WallPosterior:
     def _begin_work(self, work: Iterator[None] | None) -> None:
         """Finish the work before, since what it has judged may change."""
         if self._work is not None:
-            self._go_on(to_end=True)
+            self._continue_work(to_end=True)
         self._work = work
 
     def _leave(self, t: float) -> None:
@@ -247,7 +247,7 @@ class WallPosterior:
         self._begin_work(chain(work, self.wall.weigh_rest()))
         blocks.wanted = blocks.settled
 
-    def _go_on(self, to_end: bool = False) -> None:
+    def _continue_work(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
         assert self._work is not None
         parts = -(-_PARTS // max(self.blocks.wanted - 1, 1))  # done before the next block

@@ -86,7 +86,7 @@ class LagPosterior:
         self._set(self._prior - 0.5 * (error * error / variance + np.log(variance / variance[0])))
 
 
-def told_lag(tau: float, timing_std: float) -> tuple[float, float]:
+def lag_prior(tau: float, timing_std: float) -> tuple[float, float]:
     """
     Return the prior of the lag.
 

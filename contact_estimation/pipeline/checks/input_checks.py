@@ -299,12 +299,12 @@ class InputChecks:
                     active.append(Warned(check.name, axis, where + text, check.invalidates))
         return active
 
-    def found_in_order(self) -> list[Found]:
+    def ordered_warnings(self) -> list[Found]:
         """Return every warning since the start or `reset`, the most important first."""
         order = [check.name for check in CHECKS]
         return sorted(self.found.values(), key=lambda one: order.index(one.warned.name))
 
-    def why_no_contact(self, axis: str) -> str:
+    def explain_no_contact(self, axis: str) -> str:
         """Return what forces and positions there were instead of a contact."""
         deepest, pressing = self._window.most(axis)
         pipeline = self._pipelines[axis]

@@ -54,8 +54,8 @@ class StampSkew(Check):
               'joint states), or synchronise the clocks.')
     invalidates = True
     confirmations = 2
-    stages = (lambda seen: _quietly(_noise, seen), lambda seen: _quietly(_averaged, seen),
-              lambda seen: _quietly(_nearest, seen))
+    stages = (lambda seen: _run_quietly(_noise, seen), lambda seen: _run_quietly(_averaged, seen),
+              lambda seen: _run_quietly(_nearest, seen))
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact."""
@@ -190,7 +190,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     mass, with_mass = _mass(means, x, v)
     return _Skew(
         best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
-        ratio(with_mass, least), ratio(_left_with_physics(means, x, v), least), mass,
+        ratio(with_mass, least), ratio(_residual_with_physics(means, x, v), least), mass,
         (none - least) / max(none - count * means.floor, 1e-3 * means.least))
 
 
@@ -199,8 +199,8 @@ def _noise(seen: Evidence) -> tuple[float, ...]:
     return seen.noise, seen.position_noise, seen.rate_noise
 
 
-def _quietly(stage: Callable[[Evidence], object], seen: Evidence) -> None:
-    """Do a stage; squares of huge values are not finite: no evidence."""
+def _run_quietly(stage: Callable[[Evidence], object], seen: Evidence) -> None:
+    """Do a stage without warnings of numpy: squares of huge values are no evidence."""
     with np.errstate(all='ignore'):
         stage(seen)
 
@@ -305,7 +305,7 @@ def _mass(means: _Means, x: Array, v: Array) -> tuple[float, float]:
     return 0.0, _solve(means, [x, v], means.variances[:2])[1]
 
 
-def _left_with_physics(means: _Means, x: Array, v: Array) -> float:
+def _residual_with_physics(means: _Means, x: Array, v: Array) -> float:
     """Return the least sum of squares with one more term of other physics and no lag."""
     depth = x - x.min()
     fast = v / (np.abs(v) + 0.05 * np.sqrt(np.mean(v**2)) + 1e-12)

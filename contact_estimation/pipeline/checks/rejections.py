@@ -109,7 +109,7 @@ class Rejections:
         self._before: dict[str, int] = {}
         self._processed = 0
 
-    def newly(self, counts: Mapping[str, int], processed: int) -> tuple[str, str]:
+    def new_warnings(self, counts: Mapping[str, int], processed: int) -> tuple[str, str]:
         """Compare with the last call."""
         new = {k: n - self._before.get(k, 0) for k, n in counts.items()}
         new = {k: n for k, n in new.items() if n > 0}

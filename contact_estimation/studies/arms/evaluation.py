@@ -112,7 +112,7 @@ def estimated_with(
             last, withheld = axes[0], ''
         elif axes[0].status is EstimateStatus.FROZEN:
             withheld = axes[0].reason
-    warnings = tuple(one.warned.name for one in replay.session.checks.found_in_order())
+    warnings = tuple(one.warned.name for one in replay.session.checks.ordered_warnings())
     if last is None:
         return Estimated(estimator, name, nan, nan, nan, nan, nan, withheld, warnings)
     return Estimated(estimator, name, last.stiffness, last.stiffness_std, last.damping,

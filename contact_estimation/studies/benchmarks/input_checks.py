@@ -202,7 +202,7 @@ def run(options: Any) -> int:
             examples.append((estimator, experiment, samples))
         world = {'estimator': estimator, 'experiment': experiment, 'K_e': wall[0]}
         said += [{**world, 'check': one.warned.name, 'warning': one.warned.text}
-                 for one in session.checks.found_in_order()]
+                 for one in session.checks.ordered_warnings()]
         progress.show((k + 1) / (2 * len(worlds)), f'{k + 1} healthy loops')
     rows = []
     for k, mistake in enumerate(MISTAKES):
