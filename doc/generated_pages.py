@@ -6,8 +6,9 @@ Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
 table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
-`generated/warnings.md` one per entry of CHECKS and REJECTIONS, `generated/fleet_columns.md` one
-per column of the fleet's table: a new entry appears without an edit here.
+`generated/fleet_columns.md` one per column of the fleet's table: a new entry appears without an
+edit here. `warnings.md`, one row per entry of CHECKS and REJECTIONS, is part of the checkout:
+`python doc/generated_pages.py` writes it too.
 
 """
 
@@ -53,7 +54,7 @@ def write_pages(app: Any) -> None:
         _write(folder / f'effects_{port}.md', effects_page(port, folder))
     _write(folder / 'tuning.md', tuning_page())
     _write(folder / 'foreign_laws.md', laws_page())
-    _write(folder / 'warnings.md', warnings_page())
+    _write(folder.parent / 'warnings.md', warnings_page())
     _write(folder / 'fleet_columns.md', columns_page())
 
 
@@ -122,19 +123,19 @@ DESCRIPTION = (
      'angles and not metres, and no estimate holds; for an arm set kinematics.base, '
      'kinematics.tip and contact.normal',
      'A joint of an arm was chosen as the contact axis; seen where `robot_description` is published.',
-     'Set the parameters of an arm, see [](../your_robot.md).', 'go on'),
+     'Set the parameters of an arm, see [](your_robot.md).', 'published'),
     ('`robot_description_changed`', 'the robot description on /robot_description has changed and '
      'is not used; start the node again to use it', 'Another robot, or another version of it.',
-     'Start the node again.', 'go on'),
+     'Start the node again.', 'published'),
 )
 
 GRAPH = (
     ('`several_publishers_wrench`, `several_publishers_joint_states`',
      'A second driver, or a recording that is played beside the live one. Joint states of an arm, '
      'or beside those of other joints, may come from several.',
-     'Stop or remap all but one.', 'go on'),
+     'Stop or remap all but one.', 'published'),
     ('`node_name`', 'The node was started twice.',
-     'Stop one, or start it under another name (`-r __node:=NAME`).', 'go on'),
+     'Stop one, or start it under another name (`-r __node:=NAME`).', 'published'),
 )
 
 LIMITS = '''## What no check sees
@@ -176,7 +177,7 @@ def warnings_page() -> str:
     """Return the page with a row for every warning."""
     head = ('check', 'message', 'cause', 'remedy', 'estimates')
     rows = [(f'`{check.name}`', check.message, check.cause, check.remedy,
-             'withheld' if check.invalidates else 'go on') for check in CHECKS]
+             'withheld' if check.invalidates else 'published') for check in CHECKS]
     texts = graph_warnings({'/wrench': ['/ft_driver', '/rosbag2_player']}, '/estimator_node',
                            ['/estimator_node'] * 2).values()
     rejected = [(f'`{one.name}`', one.message.format(
@@ -229,3 +230,7 @@ def _write(path: Path, text: str) -> None:
     text += '\n'
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
+
+
+if __name__ == '__main__':
+    _write(Path(__file__).parent / 'warnings.md', warnings_page())
