@@ -56,10 +56,6 @@ class ContactSession:
         Of the arm, where one is configured and described; see `describe`.
     description, problem : str
         Text of the URDF of the arm, or why there is none.
-    checks : InputChecks
-        On-line checks of the inputs.
-    rejection_texts, notices : dict of str to str
-        By reason, the last text of a rejection; by name, warnings that stay until taken out.
     last_stamp_ns, last_position, last_force : int, float, float
         Stamp [ns], position [m] and force [N] along the contact axis of the last sample processed.
     estimates : tuple of Estimate
@@ -76,8 +72,8 @@ class ContactSession:
         self.pipeline, *self._further = self.pipelines.values()
         self.matrix = self._axes.matrix
         self._followed = NO_REFERENCE  # along the contact axis; further axes have no reference
-        self.rejection_texts: dict[str, str] = {}
-        self.notices: dict[str, str] = {}
+        self.rejection_texts: dict[str, str] = {}  # by reason, of the last rejection
+        self.notices: dict[str, str] = {}  # by name, warnings that stay until taken out
         self.last_stamp_ns, self.last_position, self.last_force = BEFORE_ANY, nan, nan
         self.estimates: AxesEstimates = ()
         self.description = self.problem = ''
@@ -103,11 +99,7 @@ class ContactSession:
         """
         Set the URDF of the arm, without which none of its samples can be used; '' for none yet.
 
-        Raises
-        ------
-        ContactEstimationError
-            If it does not fit the parameters; the arm stays as it was.
-
+        If it does not fit the parameters, an error is raised and the arm stays as it was.
         """
         if description:
             self.use_arm(kinematics_of(self.parameters, description))
@@ -191,17 +183,8 @@ class ContactSession:
         """
         Add wrenches and joint states that have the same stamps, many at once.
 
-        Parameters
-        ----------
-        stamps_ns, forces, positions, velocities
-            As of `Synchroniser.add_pairs`.
-
-        Returns
-        -------
-        estimates : list of tuple of Estimate, or None
-            One a sample; None where stamps or values are irregular, or a reference is generated,
-            and the messages must be added one by one.
-
+        Returns the estimates of each sample, or None where stamps or values are irregular, or a
+        reference is generated: the messages must be added one by one then.
         """
         if self._generates or self._synchroniser.jumped:
             return None
@@ -344,11 +327,7 @@ class ContactSession:
         """
         Change parameters by dotted name while running; K_hat, B_hat stay, x_r stays continuous.
 
-        Raises
-        ------
-        ContactEstimationError
-            If a value is not valid; nothing has changed then.
-
+        If a value is not valid, an error is raised and nothing has changed.
         """
         parameters = changed(self.parameters, changes)
         self._axes.configure(parameters)
