@@ -29,7 +29,7 @@ setup(
     license='Apache-2.0',
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
-        package_name: ['py.typed'],
+        package_name: ['py.typed', '__init__.pyi'],
         package_name + '.diagnosis.compare': ['*.json'],
         package_name + '.diagnosis.report.page': ['*.css', '*.html'],
         package_name + '.fleet.page': ['*.html'],
@@ -81,7 +81,7 @@ setup(
             'numpydoc>=1.7',
             'sphinx>=7.3',
         ],
-        # Test arms of `python -m contact_estimation.benchmarks.arms`; the descriptions are 130 MB.
+        # Test arms of `python -m contact_estimation.studies arms`; the descriptions are 130 MB.
         'arms': ['example-robot-data', 'mujoco>=3.2', 'pin>=3.0'],
         # Kinematics of arms. The wheels need numpy 2; with ROS 2 Jazzy use ros-jazzy-pinocchio.
         'robots': ['pin>=3.0'],

@@ -56,15 +56,7 @@ def new_figure(
     """
     Create a figure that no window manager keeps alive.
 
-    Parameters
-    ----------
-    size : (float, float)
-        Width and height [inch].
-    rows, columns : int
-        Number of axes.
-    **options
-        Of `matplotlib.figure.Figure.subplots`.
-
+    size: width and height [inch]
     """
     figure = require_matplotlib().Figure(figsize=size)
     return figure, figure.subplots(rows, columns, **options)

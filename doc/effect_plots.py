@@ -13,8 +13,7 @@ import contact_estimation as ce
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import changed
 from contact_estimation.plant.simulation import simulate_experiment
-from contact_estimation.reference.excitation import Multisine
-from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.reference.experiment import Experiment, Multisine, Segment
 import matplotlib
 
 matplotlib.use('Agg')

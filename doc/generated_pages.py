@@ -6,8 +6,9 @@ Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
 table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
-`generated/warnings.md` one per entry of CHECKS and REJECTIONS, `generated/fleet_columns.md` one per
-column of the fleet's table: a new entry appears without an edit here.
+`generated/fleet_columns.md` one per column of the fleet's table: a new entry appears without an
+edit here. `warnings.md`, one row per entry of CHECKS and REJECTIONS, is part of the checkout:
+`python doc/generated_pages.py` writes it too.
 
 """
 
@@ -19,11 +20,11 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
-from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.stream_checks import graph_warnings
-from contact_estimation.fleet.columns import COLUMNS
-from contact_estimation.foreign_laws import ALL_LAWS
+from contact_estimation.fleet.table import COLUMNS
 from contact_estimation.parameters.specification import specifications
+from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
+from contact_estimation.pipeline.checks.stream_checks import graph_warnings
+from contact_estimation.studies.foreign_laws import ALL_LAWS
 from effect_plots import plot_effect
 
 PORTS = {
@@ -53,7 +54,7 @@ def write_pages(app: Any) -> None:
         _write(folder / f'effects_{port}.md', effects_page(port, folder))
     _write(folder / 'tuning.md', tuning_page())
     _write(folder / 'foreign_laws.md', laws_page())
-    _write(folder / 'warnings.md', warnings_page())
+    _write(folder.parent / 'warnings.md', warnings_page())
     _write(folder / 'fleet_columns.md', columns_page())
 
 
@@ -95,7 +96,8 @@ def laws_page() -> str:
     return '\n\n'.join([
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
-        '`contact_estimation/foreign_laws` gives equation and source.', _table(head, rows)])
+        '`contact_estimation/studies/foreign_laws` gives equation and source.',
+        _table(head, rows)])
 
 
 WARNINGS = '''# Warnings
@@ -109,7 +111,7 @@ where nothing could be estimated. A silent wrench topic is level ERROR.
 While a warning *withholds* estimates, the status is `frozen` in contact, the estimator learns
 nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
 Judgements are made twice a second from the last 2 s; they depend on the samples alone.
-`python -m contact_estimation.benchmarks.input_checks` counts false warnings in healthy loops and
+`python -m contact_estimation.studies input_checks` counts false warnings in healthy loops and
 measures the time until each true one.
 
 ## Signals
@@ -121,19 +123,19 @@ DESCRIPTION = (
      'angles and not metres, and no estimate holds; for an arm set kinematics.base, '
      'kinematics.tip and contact.normal',
      'A joint of an arm was chosen as the contact axis; seen where `robot_description` is published.',
-     'Set the parameters of an arm, see [](../your_robot.md).', 'go on'),
+     'Set the parameters of an arm, see [](your_robot.md).', 'published'),
     ('`robot_description_changed`', 'the robot description on /robot_description has changed and '
      'is not used; start the node again to use it', 'Another robot, or another version of it.',
-     'Start the node again.', 'go on'),
+     'Start the node again.', 'published'),
 )
 
 GRAPH = (
     ('`several_publishers_wrench`, `several_publishers_joint_states`',
      'A second driver, or a recording that is played beside the live one. Joint states of an arm, '
      'or beside those of other joints, may come from several.',
-     'Stop or remap all but one.', 'go on'),
+     'Stop or remap all but one.', 'published'),
     ('`node_name`', 'The node was started twice.',
-     'Stop one, or start it under another name (`-r __node:=NAME`).', 'go on'),
+     'Stop one, or start it under another name (`-r __node:=NAME`).', 'published'),
 )
 
 LIMITS = '''## What no check sees
@@ -175,7 +177,7 @@ def warnings_page() -> str:
     """Return the page with a row for every warning."""
     head = ('check', 'message', 'cause', 'remedy', 'estimates')
     rows = [(f'`{check.name}`', check.message, check.cause, check.remedy,
-             'withheld' if check.invalidates else 'go on') for check in CHECKS]
+             'withheld' if check.invalidates else 'published') for check in CHECKS]
     texts = graph_warnings({'/wrench': ['/ft_driver', '/rosbag2_player']}, '/estimator_node',
                            ['/estimator_node'] * 2).values()
     rejected = [(f'`{one.name}`', one.message.format(
@@ -228,3 +230,7 @@ def _write(path: Path, text: str) -> None:
     text += '\n'
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
+
+
+if __name__ == '__main__':
+    _write(Path(__file__).parent / 'warnings.md', warnings_page())

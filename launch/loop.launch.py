@@ -9,17 +9,11 @@ from typing import Any
 
 from contact_estimation.estimators import ONLINE_ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.reference.laws import LAWS
-from contact_estimation.ros.loop_configuration import configure, LoopConfiguration
-from contact_estimation.ros.loop_configuration import write_parameters
+from contact_estimation.reference.reference_generator import LAWS
+from contact_estimation.ros.loop_processes import configure, LoopConfiguration, write_parameters
 from launch import LaunchContext, LaunchDescription  # type: ignore[attr-defined]
 from launch.actions import (
-    DeclareLaunchArgument,
-    EmitEvent,
-    OpaqueFunction,
-    RegisterEventHandler,
-    SetEnvironmentVariable,
-)
+    DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler, SetEnvironmentVariable)
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Result
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, PERIOD_NS
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.blind_trials.simulation import Run
-from contact_estimation.blind_trials.trial import Trial
-from contact_estimation.blind_trials.worlds import RandomWorld, SensorModel
 from contact_estimation.plant.plant_parameters import RobotParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.studies.blind_trials.trial import Trial
+from contact_estimation.studies.blind_trials.worlds import RandomWorld, Run, SensorModel
 import numpy as np
 from numpy.typing import NDArray
 

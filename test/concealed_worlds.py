@@ -19,12 +19,10 @@ from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Effect
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.plant.simulation import simulate_force
-from contact_estimation.reference.excitation import Excitation, Multisine
-from contact_estimation.reference.experiment import Experiment, Segment
-from contact_estimation.reference.quintic import quintic
+from contact_estimation.plant.simulation import run_open_loop, simulate_force
+from contact_estimation.reference.experiment import Excitation, Experiment, Multisine, Segment
+from contact_estimation.reference.reference_generator import quintic
 import numpy as np
 from outside_effects import make_outside
 

@@ -15,8 +15,8 @@ from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from contact_estimation.parameters.values import build
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.reference.experiment import Experiment, Segment
 import numpy as np

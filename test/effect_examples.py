@@ -9,8 +9,8 @@ from typing import Any
 
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.drawn_effect import Scales
 from contact_estimation.physics.effect import Effect
-from contact_estimation.physics.scales import Scales
 
 SCALES = Scales(
     depth=0.013, speed=0.1, force=60.0, control=200.0, greatest_pull=0.0, duration=1.4,

@@ -11,18 +11,16 @@ import sys
 from types import SimpleNamespace
 from typing import Any
 
-from contact_estimation.blind_trials.trial import plan_effects
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.applicable import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop
-from contact_estimation.plant.model_file import read_model
-from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.excitation import Sine
-from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.plant.plant_parameters import PlantParameters, read_model
+from contact_estimation.reference.experiment import Experiment, Segment, Sine
+from contact_estimation.studies.blind_trials.trial import plan_effects
 import numpy as np
 
 KNOWN = {'physics.toy_effect.K_5': 1e12}

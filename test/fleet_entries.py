@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Sequence
 
-from contact_estimation.fleet.entry import Entry, in_time
+from contact_estimation.fleet.table import Entry, in_time
 
 FAMILIES = {'coulomb_friction': 'friction', 'force_bias': 'sensor_zero'}
 DAY_NS = 86_400 * 10**9

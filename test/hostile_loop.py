@@ -8,11 +8,11 @@ from __future__ import annotations
 from math import nan
 from typing import Any, NamedTuple
 
-from contact_estimation.estimation.events import set_location
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.events import set_location
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.setpoints import Desired, Reference
 import numpy as np
 

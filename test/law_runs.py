@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.foreign_laws import ALL_LAWS
-from contact_estimation.foreign_laws.law import Signals
+from contact_estimation.studies.foreign_laws import ALL_LAWS
+from contact_estimation.studies.foreign_laws.law import Signals
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import exp, log, pi
 from typing import Callable
 
-from contact_estimation.foreign_laws.jkr_adhesion import jkr_curve
+from contact_estimation.studies.foreign_laws.jkr_adhesion import jkr_curve
 from law_runs import DT, law_of, response
 import numpy as np
 import pytest

@@ -15,13 +15,13 @@ import pytest
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages',
-    'recordings', 'signals',
-    'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
-    'reproduction',
+    'recordings', 'signals', 'kinematics', 'studies.foreign_laws', 'physics', 'reference',
+    'estimators', 'pipeline', 'plant', 'studies.reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
     'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
-    'blind_trials',
-    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks', 'benchmarks.arms',
+    'studies.blind_trials',
+    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'studies.benchmarks', 'studies.arms',
+    'studies',
 ]
 
 

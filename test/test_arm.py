@@ -10,14 +10,13 @@ from math import nan
 from typing import Any, Mapping
 
 from arm_contact import (
-    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
-)
-from contact_estimation.estimation.inputs import MessageInputs
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Result
-from contact_estimation.estimation.session import ContactSession
+    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START)
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
+from contact_estimation.pipeline.inputs import MessageInputs
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 import numpy as np
 import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
@@ -243,7 +242,7 @@ def test_a_normal_far_off_the_force_is_named(degrees: float, warned: bool) -> No
     across = np.array([0.8, 0.0, 0.6])
     normal = np.cos(tilt) * NORMAL + np.sin(tilt) * across
     session, _ = run(estimation={'contact.normal': normal.tolist(), 'environment.location': nan})
-    found = {one.warned.name: one.warned.text for one in session.checks.found_in_order()}
+    found = {one.warned.name: one.warned.text for one in session.checks.ordered_warnings()}
     assert ('force_direction' in found) == warned
     if warned:
         assert 'degrees off contact.normal' in found['force_direction']

@@ -10,7 +10,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 from arm_worlds import arm_recording, FRICTION, motion, URDF
-from contact_estimation.blind_trials.arm_trials import scored
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
@@ -27,6 +26,7 @@ from contact_estimation.diagnosis.arm.text import as_dict, as_text
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.plant.arm_simulation import ArmLaw
+from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
 import pytest
 

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.benchmarks.arms.arm_files import ArmFiles, tool_parameters, world_of
-from contact_estimation.benchmarks.arms.arm_models import (
-    ARMS, description_of, mujoco, mujoco_model, TIP,
-)
-from contact_estimation.benchmarks.arms.contact_study import (
-    calibrated, errors, estimated_with,
-)
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.kinematics.robot_model import RobotModel
+from contact_estimation.studies.arms.arm_files import ArmFiles, tool_parameters, world_of
+from contact_estimation.studies.arms.arm_models import (
+    ARMS, description_of, mujoco, mujoco_model, TIP,
+)
+from contact_estimation.studies.arms.evaluation import (
+    calibrated, errors, estimated_with,
+)
 import numpy as np
 import pytest
 

@@ -11,7 +11,7 @@ from math import exp
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.plant.between_samples import held, smooth, straight
+from contact_estimation.plant.sampled_signals import held, smooth, straight
 import numpy as np
 from numpy.typing import NDArray
 import pytest

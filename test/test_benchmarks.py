@@ -5,29 +5,36 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 import subprocess
 import sys
 from typing import Any
 
-from contact_estimation.benchmarks import watch_benchmark
-from contact_estimation.benchmarks.arms.live_run import warned
-from contact_estimation.benchmarks.lag_evidence import lag_evidence
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+from contact_estimation.messages.plain_decoding import DIAGNOSTICS_TYPE
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.studies.__main__ import main, STUDIES
+from contact_estimation.studies.arms.live_run import warned
+from contact_estimation.studies.benchmarks import watch_benchmark
+from contact_estimation.studies.benchmarks.input_checks import lag_evidence
 import numpy as np
 import pytest
 from reference_messages import header, new, serialized
 
-COMMANDS = ('__main__', 'arms.__main__', 'estimators_study', 'fleet', 'input_checks',
-            'online_study', 'records')
+
+@pytest.mark.parametrize('name', STUDIES)
+def test_every_study_has_a_help(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match='0'):
+        main([name, '--help'])
+    assert len(capsys.readouterr().out) > 200
 
 
-@pytest.mark.parametrize('name', COMMANDS)
-def test_every_benchmark_has_a_help(name: str) -> None:
-    parser = import_module(f'contact_estimation.benchmarks.{name}').make_parser()
-    assert len(parser.format_help()) > 200
+def test_an_unknown_study_is_refused_with_the_names_of_all(
+    capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match='1'):
+        main(['no_such'])
+    error = capsys.readouterr().err
+    assert error.count('\n') == 1 and all(name in error for name in STUDIES)
 
 
 def test_an_interrupted_watch_benchmark_ends_its_loop(

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 from blind_worlds import answer, truth
-from contact_estimation.blind_trials.metrics import confusion, groups, metrics
-from contact_estimation.blind_trials.report import as_dict, as_text
-from contact_estimation.blind_trials.scoring import Score, score
+from contact_estimation.studies.blind_trials.report import (
+    as_dict, as_text, confusion, groups, metrics)
+from contact_estimation.studies.blind_trials.scoring import Score, score
 import pytest
 
 FAILED = {'report': None, 'error': 'diagnose: no contact', 'seconds': 0.1}

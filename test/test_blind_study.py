@@ -11,16 +11,6 @@ import sys
 from typing import Any, Iterator, Mapping
 
 from blind_worlds import answer, short_trial, truth
-from contact_estimation.blind_trials import study
-from contact_estimation.blind_trials.study import (
-    diagnose_blind,
-    diagnose_command,
-    plan_study,
-    PlannedTrial,
-    run_study,
-    run_trial,
-)
-from contact_estimation.blind_trials.trial_files import TrialFiles, write_json, write_trial
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.diagnosis.compare.constants import Constants
 from contact_estimation.diagnosis.observe.signals import signals_of
@@ -31,6 +21,16 @@ from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.recorded_signals import read_signals
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.scheduling import Answer, Call, ThisProcess
+from contact_estimation.studies.blind_trials import study
+from contact_estimation.studies.blind_trials.study import (
+    diagnose_blind,
+    diagnose_command,
+    plan_study,
+    PlannedTrial,
+    run_study,
+    run_trial,
+)
+from contact_estimation.studies.blind_trials.trial import TrialFiles, write_json, write_trial
 import numpy as np
 import pytest
 

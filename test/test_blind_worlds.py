@@ -8,28 +8,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blind_worlds import ROBOT, short_trial, synthetic_run, WALL, WORLD
-from contact_estimation.blind_trials.concealment import active_intervals, conceal, degree, residual
-from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
-from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
-from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.trial import (
-    draw_trial,
-    EFFECTS_OF_A_WALL,
-    equivalent_wall,
-    MAX_DEGREE,
-    MIN_DEGREE,
-    plan_effects,
-)
-from contact_estimation.blind_trials.worlds import (
-    draw_nominal_wall,
-    draw_world,
-    RandomWorld,
-    SensorModel,
-)
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
-from contact_estimation.physics.scales import Scales
-from contact_estimation.reference.excitation import Sine
+from contact_estimation.physics.drawn_effect import Scales
+from contact_estimation.reference.experiment import Sine
+from contact_estimation.studies.blind_trials.concealment import (
+    active_intervals, conceal, degree, residual)
+from contact_estimation.studies.blind_trials.experiments import draw_experiment, Faded, Stage
+from contact_estimation.studies.blind_trials.trial import (
+    draw_trial, EFFECTS_OF_A_WALL, equivalent_wall, MAX_DEGREE, MIN_DEGREE, plan_effects)
+from contact_estimation.studies.blind_trials.worlds import (
+    draw_nominal_wall, draw_world, measure, RandomWorld, Run, SensorModel, simulate, TRUTH_HZ)
 import numpy as np
 import pytest
 

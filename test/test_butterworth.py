@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.signals.butterworth import ButterworthBank
+from contact_estimation.signals.filters import ButterworthBank
 from core_steps import filtered
 import numpy as np
 import pytest

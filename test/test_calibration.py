@@ -9,19 +9,19 @@ import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.blind_trials import calibration as calibration_module
-from contact_estimation.blind_trials.calibration import (
+from contact_estimation.diagnosis.compare.beam import Compared
+from contact_estimation.diagnosis.compare.comparison_file import as_dict, of_dict
+from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
+from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.studies.blind_trials import calibration as calibration_module
+from contact_estimation.studies.blind_trials.calibration import (
     calibrate,
     FITTED,
     judged,
     JudgedTrial,
     loss,
 )
-from contact_estimation.diagnosis.compare.beam import Compared
-from contact_estimation.diagnosis.compare.comparison_file import as_dict, of_dict
-from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
-from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
-from contact_estimation.exceptions import ParameterRangeError
 from diagnosed_worlds import diagnosed
 import numpy as np
 import pytest

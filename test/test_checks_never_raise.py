@@ -8,11 +8,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from contact_estimation.estimation.checks import CHECKS, InputChecks
-from contact_estimation.estimation.checks.check import Evidence, Forces
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.checks import CHECKS, InputChecks
+from contact_estimation.pipeline.checks.check import Evidence, Forces
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.signals.contact_sample import ContactSample
 from hypothesis import given, settings, strategies as st
 import numpy as np

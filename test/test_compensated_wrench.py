@@ -4,15 +4,15 @@
 from typing import Any
 
 from arm_contact import CENTRE, instants, MASS, NORMAL, PARAMETERS, START
-from contact_estimation.estimation.arm import kinematics_of
-from contact_estimation.estimation.compensated_wrench import CompensatedWrench
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
 from contact_estimation.parameters.values import build
 from contact_estimation.physics.compensation import Compensation
 from contact_estimation.physics.tool_inertia import ToolInertia
-from contact_estimation.signals.butterworth import ButterworthBank
+from contact_estimation.pipeline.arm_kinematics import kinematics_of
+from contact_estimation.pipeline.arm_outputs import CompensatedWrench
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.signals.filters import ButterworthBank
 import numpy as np
 from numpy.typing import NDArray
 import pytest

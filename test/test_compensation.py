@@ -9,18 +9,18 @@ from functools import lru_cache
 from math import nan
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import FORCE_EXCITATION
-from contact_estimation.reference.quintic import quintic
+from contact_estimation.reference.reference_generator import quintic
 from contact_estimation.signals.contact_sample import ContactSample
 from core_steps import estimate_after
 from effect_examples import switched_on

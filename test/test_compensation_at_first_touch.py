@@ -8,18 +8,17 @@ from __future__ import annotations
 from functools import lru_cache
 from math import isfinite, isnan, nan, sin
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.compensation import Compensation, IRREGULAR
 from contact_estimation.physics.known_wall import NOT_FINITE, NOT_LOCATED
-from contact_estimation.plant.open_loop import run_open_loop
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.quintic import quintic
-from contact_estimation.signals.compensated_sample import CompensatedSample
-from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.plant.simulation import run_open_loop
+from contact_estimation.reference.reference_generator import quintic
+from contact_estimation.signals.contact_sample import CompensatedSample, ContactSample
 from effect_examples import example, switched_on
 import numpy as np
 import pytest

@@ -9,12 +9,11 @@ from pathlib import Path
 import re
 
 from contact_estimation.commands.write_config import config_files, main
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.specification import ParameterGroup, specifications
 from contact_estimation.parameters.values import build, flatten, without
-from contact_estimation.plant.plant_node_parameters import PlantNodeParameters
-from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.plant.plant_parameters import PlantNodeParameters, PlantParameters
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 import pytest
 import yaml

@@ -10,18 +10,10 @@ from typing import Any
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.contact_points import (
-    contact_forces,
-    ContactGeometry,
-    force_regressor,
-    point_motions,
-    PointMotions,
-    rubless_directions,
-    slip_directions,
-    ToolMotion,
-    total_wrench,
-)
+    contact_forces, ContactGeometry, force_regressor, frictionless_directions, point_motions,
+    PointMotions, slip_directions, ToolMotion, total_wrench)
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.studies.reproduction.three_contacts import GEOMETRY, motion_at
 import numpy as np
 import pytest
 
@@ -163,7 +155,7 @@ def test_regressor_of_the_pressing_points_gives_the_force(t: float) -> None:
 def test_directions_without_friction_are_normal_to_every_surface_that_sticks(
     sticking: tuple[bool, ...], rank: int
 ) -> None:
-    rows = rubless_directions(GEOMETRY, np.array(sticking))
+    rows = frictionless_directions(GEOMETRY, np.array(sticking))
     assert rows @ rows.T == pytest.approx(np.eye(rank), abs=1e-12)
     rubbing = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # both lie in the floor
     assert rank == 3 or not sticking[0] or np.abs(rows @ rubbing.T).max(initial=0.0) < 1e-12

@@ -16,14 +16,10 @@ from contact_estimation.estimators.contact_points import (
     ToolMotion,
 )
 from contact_estimation.estimators.contact_points_estimator import (
-    ContactPointsEstimate,
-    ContactPointsEstimator,
-    ContactPointsSample,
-)
-from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
+    ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters, ContactPointsSample)
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.exceptions import SignalShapeError
-from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.studies.reproduction.three_contacts import GEOMETRY, motion_at
 import numpy as np
 import pytest
 from scipy.optimize import least_squares

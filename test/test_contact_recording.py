@@ -8,8 +8,7 @@ from __future__ import annotations
 from math import nan
 
 from contact_estimation.exceptions import SignalShapeError
-from contact_estimation.signals.contact_recording import ContactRecording
-from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.contact_sample import ContactRecording, ContactSample
 import numpy as np
 import pytest
 

@@ -12,13 +12,13 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Result
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.specification import ParameterSpecification, specifications
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.setpoints import Desired, Reference
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stamp_screen import CONFIRMING

@@ -8,10 +8,10 @@ from __future__ import annotations
 from functools import lru_cache
 from math import nan
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters.values import changed
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.signals.contact_sample import ContactSample
 import numpy as np
 import pytest

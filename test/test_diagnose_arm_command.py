@@ -9,9 +9,9 @@ import json
 from pathlib import Path
 
 from arm_worlds import arm_recording, URDF
-from contact_estimation.blind_trials.arm_trials import write_arm_recording
 from contact_estimation.commands import blind_trials, diagnose
 from contact_estimation.plant.arm_simulation import ArmLaw, SimulatedArm
+from contact_estimation.studies.blind_trials.arm_trials import write_arm_recording
 import pytest
 from run_commands import Command
 

@@ -16,7 +16,7 @@ from contact_estimation.diagnosis.observe.observer import (
     run,
     run_velocity,
 )
-from contact_estimation.physics.second_order import discretise
+from contact_estimation.physics.numeric import discretise
 import numpy as np
 from numpy.typing import NDArray
 import pytest

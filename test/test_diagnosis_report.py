@@ -19,9 +19,9 @@ from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.diagnosis.report.wording import headline
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 from diagnosed_worlds import diagnosed
 import numpy as np

@@ -33,7 +33,7 @@ from contact_estimation.diagnosis.observe.residuals import (
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.touch_down import at_touch_down
 from contact_estimation.diagnosis.observe.usable_samples import default_block, force_drops, usable
-from contact_estimation.physics.second_order import discretise
+from contact_estimation.physics.numeric import discretise
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from importlib import util
+from importlib import import_module, util
 import os
 from pathlib import Path
 import re
@@ -93,6 +93,12 @@ def test_commands_page_has_every_executable() -> None:
     scripts = setup_arguments()['entry_points']['console_scripts']
     names = [script.partition(' = ')[0] for script in scripts]
     assert [name for name in names if f'`{name}`' not in text] == []
+
+
+def test_page_of_warnings_is_that_of_the_checks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOC))
+    pages = import_module('generated_pages')
+    assert (DOC / 'warnings.md').read_text() == pages.warnings_page() + '\n'
 
 
 def test_documentation_is_not_installed_as_a_package() -> None:

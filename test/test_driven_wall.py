@@ -10,8 +10,8 @@ from typing import Any
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.driven_wall import run_driven_wall
-from contact_estimation.plant.open_loop import simulate_on
-from contact_estimation.plant.sampled_reference import reference_through
+from contact_estimation.plant.sampled_signals import reference_through
+from contact_estimation.plant.simulation import simulate_on
 from effect_examples import example_values
 import numpy as np
 import pytest

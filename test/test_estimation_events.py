@@ -5,20 +5,13 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.events import (
-    apply_event,
-    CHANGE,
-    EstimationEvent,
-    event_now,
-    RESET,
-    START,
-    TARE,
-)
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Moment
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.values import build, flatten
+from contact_estimation.pipeline.axes import Moment
+from contact_estimation.pipeline.events import (
+    apply_event, CHANGE, EstimationEvent, event_now, RESET, START, TARE)
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from core_runs import contact_samples
 import pytest
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 from itertools import permutations
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters.values import build, changed
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import (
     closed_loop,

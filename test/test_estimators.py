@@ -10,9 +10,9 @@ from math import isfinite
 from typing import Any
 
 from contact_estimation.estimators import ESTIMATORS, EstimatorsTuning
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.estimator import OnlineEstimator
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.parameters.specification import specifications
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 import numpy as np

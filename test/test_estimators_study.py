@@ -9,9 +9,9 @@ from math import inf
 from pathlib import Path
 import re
 
-from contact_estimation.benchmarks.estimators_study import main
-from contact_estimation.benchmarks.study_scores import candidates, score, scores
-from contact_estimation.benchmarks.study_worlds import make_world, SCENARIOS, World
+from contact_estimation.studies.benchmarks.estimators_study import main
+from contact_estimation.studies.benchmarks.study_report import candidates, score, scores
+from contact_estimation.studies.benchmarks.study_worlds import make_world, SCENARIOS, World
 import numpy as np
 import pytest
 

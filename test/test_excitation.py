@@ -8,12 +8,8 @@ from __future__ import annotations
 from math import pi, sin
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.reference.excitation import (
-    Multisine,
-    PseudoRandomBinary,
-    register_sequence,
-    Sine,
-)
+from contact_estimation.reference.experiment import (
+    Multisine, PseudoRandomBinary, register_sequence, Sine)
 from contact_estimation.reference.experiments import FORCE_EXCITATION
 import numpy as np
 import pytest

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
-from contact_estimation.reference.excitation import PseudoRandomBinary, Sine
-from contact_estimation.reference.experiment import Experiment, Segment
-from contact_estimation.reference.experiment_file import read_experiment
-from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS, manoeuvre
+from contact_estimation.reference.experiment import Experiment, PseudoRandomBinary, Segment, Sine
+from contact_estimation.reference.experiments import (
+    experiment_named, EXPERIMENTS, manoeuvre, read_experiment)
 import numpy as np
 import pytest
 import yaml

@@ -9,22 +9,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.blind_trials.family_report import (
-    family_dict,
-    family_groups,
-    family_text,
-    outcomes,
-)
-from contact_estimation.blind_trials.family_scoring import (
-    FAILED,
-    family_score,
-    FamilyScore,
-    overlap_of,
-    RIGHT,
-    SILENT,
-    WRONG,
-)
-from contact_estimation.blind_trials.reliability import plot_reliability, reliability
+from contact_estimation.studies.blind_trials.family_scoring import (
+    FAILED, family_dict, family_groups, family_score, family_text, FamilyScore, outcomes,
+    overlap_of, plot_reliability, reliability, RIGHT, SILENT, WRONG)
 import pytest
 
 LUGRE: dict[str, Any] = {

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
-from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP, passed_over
+from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP, skipped_files
 from contact_estimation.fleet.fingerprint import recording_sha256, Settings
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
@@ -130,6 +130,6 @@ def test_tables_and_ros_1_bags_of_a_folder_are_told_and_tables_read_where_named(
     for name in ('a.mcap', 'b.csv', 'c.bag', 'notes.md'):
         (tmp_path / name).write_bytes(b'')
     assert [Path(one.name).name for one in find_recordings([str(tmp_path)])] == ['a.mcap']
-    assert [Path(one).name for one in passed_over([str(tmp_path)])] == ['b.csv', 'c.bag']
+    assert [Path(one).name for one in skipped_files([str(tmp_path)])] == ['b.csv', 'c.bag']
     named = find_recordings([str(tmp_path / '*')])
     assert [Path(one.name).name for one in named] == ['a.mcap', 'b.csv']

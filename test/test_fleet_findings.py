@@ -9,12 +9,10 @@ from dataclasses import replace
 from itertools import combinations
 from math import comb
 
-from contact_estimation.fleet.changes import changes, holm
-from contact_estimation.fleet.differences import differences
-from contact_estimation.fleet.entry import Entry, in_time
-from contact_estimation.fleet.page.wording import signed_percents
+from contact_estimation.fleet.findings import changes, differences, holm, trends
+from contact_estimation.fleet.page.sections import signed_percents
 from contact_estimation.fleet.pooling import pools
-from contact_estimation.fleet.trends import trends
+from contact_estimation.fleet.table import Entry, in_time
 from fleet_entries import archive, group_of, outcome, report
 import numpy as np
 import pytest

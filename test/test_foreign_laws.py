@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from math import erfc, exp, sqrt
 
-from contact_estimation.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
-from contact_estimation.foreign_laws.fractional_relaxation import gruenwald_weights
-from contact_estimation.foreign_laws.law import (
+from contact_estimation.physics import EFFECTS
+from contact_estimation.studies.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
+from contact_estimation.studies.foreign_laws.fractional_relaxation import gruenwald_weights
+from contact_estimation.studies.foreign_laws.law import (
     ContactLaw,
     ForeignLaw,
     Magnitudes,
     RobotLaw,
     SensorLaw,
 )
-from contact_estimation.physics import EFFECTS
 from law_runs import DT, law_of, response
 import memory_law_checks
 import numpy as np

@@ -12,8 +12,8 @@ from typing import Any, Callable
 
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.messages import encode_multi_array, JointStateEncoder, WrenchEncoder
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.definitions import fresh_typestore
 from contact_estimation.recordings.source import RecordingSource

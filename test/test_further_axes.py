@@ -9,32 +9,16 @@ from math import inf, nan
 from typing import Any
 
 from axes_runs import (
-    AXES,
-    feed_axes,
-    feed_axis,
-    Instant,
-    instants,
-    JOINTS,
-    LOCATIONS,
-    moved_instants,
-    PARAMETERS,
-    session_of_axes,
-    session_of_axis,
-    WALLS,
-)
-from contact_estimation.estimation.events import (
-    apply_event,
-    biases,
-    EstimationEvent,
-    event_now,
-    TARE,
-)
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.result import Result
-from contact_estimation.estimation.session import ContactSession
+    AXES, feed_axes, feed_axis, Instant, instants, JOINTS, LOCATIONS, moved_instants, PARAMETERS,
+    session_of_axes, session_of_axis, WALLS)
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axes import Result
+from contact_estimation.pipeline.events import (
+    apply_event, biases, EstimationEvent, event_now, TARE)
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 import numpy as np
 import pytest
 

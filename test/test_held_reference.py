@@ -12,7 +12,7 @@ from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference import held_at, with_held_reference
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
-from contact_estimation.plant.open_loop import run_open_loop
+from contact_estimation.plant.simulation import run_open_loop
 from diagnosed_worlds import INTEGRATION_HZ, nominal, RATE_HZ, TWO_TOUCHES, world
 import numpy as np
 from numpy.typing import NDArray

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named

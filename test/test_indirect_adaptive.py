@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from core_steps import known, learn
 import numpy as np
 from numpy.typing import NDArray

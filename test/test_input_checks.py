@@ -9,18 +9,17 @@ from math import isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
-from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.check import Check, Evidence, Forces
-from contact_estimation.estimation.checks.force_checks import ForceSign, OtherAxis
-from contact_estimation.estimation.checks.joint_checks import JointUnits
-from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
-from contact_estimation.estimation.events import LOCATION, set_location
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.result import AxesEstimates
-from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimate import EstimateStatus
+from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
+from contact_estimation.pipeline.checks.check import Check, Evidence, Forces
+from contact_estimation.pipeline.checks.force_checks import ForceSign, OtherAxis
+from contact_estimation.pipeline.checks.stream_checks import JointUnits
+from contact_estimation.pipeline.events import (
+    apply_event, EstimationEvent, event_now, LOCATION, set_location)
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PAPER_NOISE, PlantParameters
 from contact_estimation.reference.experiments import experiment_named
@@ -145,14 +144,15 @@ def test_inertia_of_a_known_tool_is_no_lag_at_impacts_and_beside_dropped_samples
         kept = [sample for first in range(0, len(samples), 10)
                 for sample in samples[first + drop.integers(0, 7):first + 10]]
         session, _ = fed(kept, physics__tool_inertia__mass=1.2)
-    found = {one.warned.name for one in session.checks.found_in_order()}
+    found = {one.warned.name for one in session.checks.ordered_warnings()}
     assert not found & {'stamp_skew', 'stamp_skew_or_mass'}
 
 
 def test_a_tool_moved_during_a_pause_has_no_wrong_velocity() -> None:
     later = [sample._replace(stamp_ns=sample.stamp_ns + 4 * 10**9) for sample in HEALTHY]
     session, _ = fed([*map(at(-0.3), HEALTHY[:100]), *later[100:]])
-    assert 'joint_velocity' not in {found.warned.name for found in session.checks.found_in_order()}
+    names = {found.warned.name for found in session.checks.ordered_warnings()}
+    assert 'joint_velocity' not in names
 
 
 def test_force_on_another_axis_is_named() -> None:
@@ -214,7 +214,7 @@ def test_stamps_of_the_wrench_in_bursts_are_told_whatever_their_steps(apart_ns: 
         burst_ns = begin + 10**9 + apart_ns * (k % 5)
         session.checks.wrenches.append((burst_ns, F, 0.0, 0.0))
         session.add_wrench(burst_ns, F)
-    found = {one.warned.name for one in session.checks.found_in_order()}
+    found = {one.warned.name for one in session.checks.ordered_warnings()}
     assert headline(session)[0] == 'stamp_bursts'
     assert not found & {'stamp_skew', 'joint_velocity'}
 
@@ -248,7 +248,7 @@ def test_a_step_of_the_zero_is_told_with_its_time_until_a_tare(
 def test_a_declared_bias_of_the_sensor_is_no_warning() -> None:
     off: Change = lambda s: s._replace(force=s.force + 8.0)  # noqa: E731
     session, _ = fed(change=off, physics__force_bias__bias=8.0)
-    found = {one.warned.name for one in session.checks.found_in_order()}
+    found = {one.warned.name for one in session.checks.ordered_warnings()}
     assert not found & {'force_bias', 'zero_step'}
     session.change_parameters({'physics.force_bias.bias': nan})
     for stamp, x, v, F in flight(HEALTHY[-1].stamp_ns + 2000 * MILLISECOND, 8.0):
@@ -374,7 +374,7 @@ def test_noise_at_rest_is_no_contradiction_of_the_velocities(every: int) -> None
             x, v = noise.normal(0.0, (3e-6, 3e-4))
             session.add_motion(k * 2 * MILLISECOND, -0.1 + x, v)
         session.add_wrench(k * 2 * MILLISECOND, noise.normal(0.0, 0.6))
-    assert not [found for found in session.checks.found_in_order()
+    assert not [found for found in session.checks.ordered_warnings()
                 if found.warned.name == 'joint_velocity']
 
 
@@ -399,7 +399,7 @@ def test_joint_states_after_a_clock_jump_are_not_slow() -> None:
             session.add_motion(stamp + begin_s * 10**9, x, v)
             session.add_wrench(stamp + begin_s * 10**9, F)
     assert session.time_jumps == 1
-    assert 'joint_rate' not in {found.warned.name for found in session.checks.found_in_order()}
+    assert 'joint_rate' not in {found.warned.name for found in session.checks.ordered_warnings()}
 
 
 def judged(session: ContactSession, samples: Sequence[ContactSample]) -> list[int]:
@@ -493,7 +493,7 @@ def test_nothing_is_said_of_healthy_worlds_with_a_noisy_velocity(
     seed: int, velocity_noise: float
 ) -> None:
     session, _ = fed(healthy_world(seed, velocity_noise).samples)
-    found = {one.warned.name for one in session.checks.found_in_order()}
+    found = {one.warned.name for one in session.checks.ordered_warnings()}
     assert found <= {'surface_unchecked', 'surface_shifted', 'model_fit'}
 
 

@@ -9,10 +9,10 @@ from math import degrees, nan
 from typing import Any, Mapping
 
 from arm_contact import instants, NORMAL, PARAMETERS
-from contact_estimation.estimation.inputs import MessageInputs
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.inputs import MessageInputs
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
 from small_arm import JOINTS, urdf

@@ -8,12 +8,12 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.instrumental_variable import (
     InstrumentalVariable,
     InstrumentalVariableParameters,
 )
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from core_runs import closed_loop, estimates_of, pipeline_with
 from core_steps import known, learn
 import numpy as np

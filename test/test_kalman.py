@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.kalman import Kalman, KalmanParameters
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 from core_steps import known, learn
 from filterpy.kalman import KalmanFilter

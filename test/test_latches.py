@@ -13,9 +13,9 @@ from functools import lru_cache
 from math import inf, nan
 from typing import Callable
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from hypothesis import given, Phase, settings, strategies as st
 import numpy as np
 from numpy.typing import NDArray

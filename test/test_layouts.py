@@ -10,7 +10,7 @@ from typing import Any, Iterator
 from xml.etree import ElementTree
 
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.watch.plots import PLOTS
+from contact_estimation.watch.layouts import PLOTS
 from layout_fields import of_foxglove, of_plotjuggler
 
 FILES = config_files()

@@ -12,7 +12,7 @@ import signal
 from typing import Any, NamedTuple
 
 from contact_estimation.commands import loop
-from contact_estimation.estimation.replay import RecordingReplay
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.definitions import jazzy_typestore
 from contact_estimation.recordings.source import RecordingSource

@@ -9,14 +9,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.ros.loop_configuration import (
+from contact_estimation.ros.loop_processes import (
     configure,
     LoopConfiguration,
     write_parameters,
 )
-from contact_estimation.ros.loop_figure import plot_run
-from contact_estimation.ros.loop_run import RecordedRun
-from contact_estimation.ros.loop_summary import disturbances, gap_explained, summarise
+from contact_estimation.ros.loop_run import (
+    disturbances, gap_explained, plot_run, RecordedRun, summarise)
 import numpy as np
 import pytest
 

@@ -11,31 +11,14 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import MessageError
 from contact_estimation.messages import (
-    decode_diagnostics,
-    decode_string,
-    JointStateDecoder,
-    SeveralJointsDecoder,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-    WrenchDecoder,
-)
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+    decode_diagnostics, decode_string, JointStateDecoder, SeveralJointsDecoder, TrajectoryDecoder,
+    Vector3StampedDecoder, WrenchDecoder)
+from contact_estimation.messages.plain_decoding import DIAGNOSTICS_TYPE
 import numpy as np
 import pytest
 from reference_messages import (
-    deserialized,
-    header,
-    joint_state_bytes,
-    JOINTS,
-    new,
-    serialized,
-    STRING,
-    TRAJECTORY,
-    trajectory_bytes,
-    vector_bytes,
-    WRENCH,
-    wrench_bytes,
-)
+    deserialized, header, joint_state_bytes, JOINTS, new, serialized, STRING, TRAJECTORY,
+    trajectory_bytes, vector_bytes, WRENCH, wrench_bytes)
 
 Foreign = Callable[[bytes, str], bytes]
 STAMP_NS = 1_750_000_000_123_456_789

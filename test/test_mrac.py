@@ -8,9 +8,6 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
@@ -18,8 +15,11 @@ from contact_estimation.estimators.indirect_adaptive import (
 )
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named

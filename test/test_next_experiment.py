@@ -12,18 +12,9 @@ from typing import Sequence
 
 from contact_estimation.diagnosis.conclude import next_experiment
 from contact_estimation.diagnosis.conclude.candidates import (
-    Candidate,
-    candidates,
-    Reach,
-    scaling_test,
-)
+    Candidate, candidates, Reach, scaling_test)
 from contact_estimation.diagnosis.conclude.naming import advice, listed
-from contact_estimation.diagnosis.conclude.next_experiment import (
-    _pressed,
-    choose,
-    Judge,
-    reach_of,
-)
+from contact_estimation.diagnosis.conclude.next_experiment import _pressed, choose, Judge, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
@@ -33,8 +24,8 @@ from contact_estimation.diagnosis.observe.prepared_recording import PreparedReco
 from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
-from contact_estimation.reference.experiment_file import experiment_text, read_experiment
-from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
+from contact_estimation.reference.experiments import (
+    experiment_named, experiment_text, EXPERIMENTS, read_experiment)
 from diagnosed_worlds import diagnosed, recorded
 import numpy as np
 import pytest

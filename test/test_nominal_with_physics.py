@@ -14,8 +14,7 @@ from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.free_run import plant_of
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.text_report import as_text
-from contact_estimation.plant.model_file import read_model
-from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.plant_parameters import PlantParameters, read_model
 import pytest
 
 F_C = 3.0

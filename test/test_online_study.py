@@ -9,11 +9,11 @@ from pathlib import Path
 import re
 from typing import Callable
 
-from contact_estimation.benchmarks.online_faults import FAULTS
-from contact_estimation.benchmarks.online_paths import Array, bump, cruise, Piece, ramp, sines
-from contact_estimation.benchmarks.online_study import main, make_parser, ROWS, scored
-from contact_estimation.benchmarks.online_trace import law_families, Trace
-from contact_estimation.benchmarks.online_worlds import Sensor, simulate, Wall, World
+from contact_estimation.studies.benchmarks.online_inputs import FAULTS
+from contact_estimation.studies.benchmarks.online_row import law_families, Trace
+from contact_estimation.studies.benchmarks.online_study import main, make_parser, ROWS, scored
+from contact_estimation.studies.benchmarks.online_worlds import (
+    Array, bump, cruise, Piece, ramp, Sensor, simulate, sines, Wall, World)
 import numpy as np
 import pytest
 

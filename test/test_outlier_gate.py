@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.signals.conditioning import OutlierGate
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.outlier_gate import OutlierGate
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
 from numpy.typing import NDArray

@@ -136,7 +136,7 @@ before = dict(os.environ)
 root = Path(contact_estimation.__path__[0])
 for file in root.rglob('*.py'):
     parts = file.relative_to(root).with_suffix('').parts
-    is_command = {'commands', 'benchmarks', '__main__'} & set(parts)
+    is_command = {'commands', 'studies', '__main__'} & set(parts)
     if not is_command and (with_ros or parts[0] != 'ros'):
         import_module('.'.join(('contact_estimation', *parts)).removesuffix('.__init__'))
 print(dict(os.environ) == before)

@@ -9,22 +9,12 @@ from dataclasses import dataclass, FrozenInstanceError
 from math import inf, isnan, nan
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.exceptions import (
-    ParameterRangeError,
-    ParameterReadOnlyError,
-    UnknownNameError,
-)
+    ParameterRangeError, ParameterReadOnlyError, UnknownNameError)
 from contact_estimation.parameters.specification import (
-    group,
-    of_valid,
-    parameter,
-    ParameterGroup,
-    ParameterSpecification,
-    specifications,
-)
-from contact_estimation.parameters.value_text import value_text
+    group, of_valid, parameter, ParameterGroup, ParameterSpecification, specifications, value_text)
 from contact_estimation.parameters.values import build, changed, flatten, flatten_mapping
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 import pytest

@@ -8,9 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.commands import replay, simulate
-from contact_estimation.estimation.contact_figure import plot_contact
-from contact_estimation.estimation.estimate_trace import EstimateTrace
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
+from contact_estimation.pipeline.estimate_files import EstimateTrace, plot_contact
 import numpy as np
 import pytest
 from run_commands import Command
@@ -66,7 +65,7 @@ def test_a_picture_of_another_kind_is_refused(
 
 
 def test_a_long_trace_is_thinned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('contact_estimation.estimation.estimate_trace._MOST', 10)
+    monkeypatch.setattr('contact_estimation.pipeline.estimate_files._MOST', 10)
     trace = EstimateTrace()
     for first in range(0, 100, 7):
         trace.write(estimates(7, first))

@@ -15,7 +15,7 @@ from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
 from contact_estimation.plant.closed_loop import push
 from contact_estimation.plant.world import World
-from contact_estimation.reference.quintic import quintic
+from contact_estimation.reference.reference_generator import quintic
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.reference.quintic import quintic
+from contact_estimation.reference.reference_generator import quintic
 import numpy as np
 import pytest
 

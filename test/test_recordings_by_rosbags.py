@@ -10,9 +10,9 @@ import sys
 from typing import Any
 
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.estimation.events import EstimationEvent, START
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.messages import encode_string, JointStateEncoder, WrenchEncoder
+from contact_estimation.pipeline.events import EstimationEvent, START
 from contact_estimation.recordings import RecordingReader
 from core_runs import contact_samples
 import pytest

@@ -9,10 +9,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.benchmarks.record_score import class_of, with_relatives
-from contact_estimation.benchmarks.record_table import as_markdown, Row
-from contact_estimation.benchmarks.records import find_records, main
 from contact_estimation.exceptions import RecordingError
+from contact_estimation.studies.benchmarks.records import (
+    as_markdown, class_of, find_records, main, Row, with_relatives)
 from diagnosed_worlds import recorded, write_model, write_recording
 import pytest
 
@@ -95,7 +94,7 @@ def test_bad_arguments_are_errors_on_one_line(
     for arguments, message in (([], 'must hold records'), (['--jobs', '0'], '--jobs must be')):
         assert main([str(tmp_path), *arguments]) == 1
         error = capsys.readouterr().err
-        assert error.startswith('benchmarks.records: ') and error.count('\n') == 1
+        assert error.startswith('studies records: ') and error.count('\n') == 1
         assert message in error
 
 

@@ -9,7 +9,7 @@ from math import nan
 from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.reference.excitation import PseudoRandomBinary
+from contact_estimation.reference.experiment import PseudoRandomBinary
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference

@@ -5,12 +5,12 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.values import build
-from contact_estimation.reference.laws import eq20_compliance, LAWS, series_compliance
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.reference.parameters import ReferenceParameters
-from contact_estimation.reference.reference_generator import ReferenceGenerator
+from contact_estimation.reference.reference_generator import (
+    eq20_compliance, LAWS, ReferenceGenerator, series_compliance)
 from core_runs import closed_loop
 import numpy as np
 import pytest

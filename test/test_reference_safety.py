@@ -12,19 +12,15 @@ from __future__ import annotations
 from math import inf, isfinite, nan, ulp
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.specification import (
-    LARGEST,
-    ParameterSpecification,
-    specifications,
-)
+    LARGEST, ParameterSpecification, specifications)
 from contact_estimation.parameters.values import build
-from contact_estimation.reference.laws import LAWS
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.parameters import ReferenceParameters
-from contact_estimation.reference.reference_generator import limited, ReferenceGenerator
+from contact_estimation.reference.reference_generator import LAWS, limited, ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
 from hypothesis import given, Phase, settings, strategies as st
 import pytest

@@ -7,15 +7,9 @@ from __future__ import annotations
 
 from math import nan
 
-from contact_estimation.signals.butterworth import ButterworthBank
+from contact_estimation.signals.filters import ButterworthBank
 from contact_estimation.signals.relations import (
-    COLUMNS,
-    GatedRows,
-    Relation,
-    Row,
-    TustinRelation,
-    VelocityRelation,
-)
+    COLUMNS, GatedRows, Relation, Row, TustinRelation, VelocityRelation)
 from core_steps import row_of
 import numpy as np
 from numpy.typing import NDArray

@@ -12,10 +12,10 @@ import subprocess
 import sys
 
 from contact_estimation.commands import replay
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimate import Estimate
 from contact_estimation.messages import JointStateEncoder, WrenchEncoder
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from core_runs import contact_samples
 import pytest

@@ -10,9 +10,9 @@ from pathlib import Path
 import signal
 from typing import Callable, NamedTuple
 
-from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample

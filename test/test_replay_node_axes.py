@@ -11,9 +11,9 @@ import signal
 
 from axes_peer import node_of_axes
 from axes_runs import Instant, instants, JOINTS, LOCATIONS, moved_instants, WALLS
-from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample

@@ -10,11 +10,11 @@ from math import nan
 from pathlib import Path
 from typing import Iterable, Sequence
 
-from contact_estimation.estimation.inputs import MessageInputs
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.replay import RecordingReplay
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.messages import JointStateEncoder, WrenchEncoder
+from contact_estimation.pipeline.inputs import MessageInputs
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.pipeline.replay import RecordingReplay
+from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample

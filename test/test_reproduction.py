@@ -11,11 +11,11 @@ from typing import Any, Callable
 
 from contact_estimation.commands.reproduce import main
 from contact_estimation.plant.world import Truth
-from contact_estimation.reproduction import table as table_module
-from contact_estimation.reproduction.case import BEST, bounds, Case, Errors, OnlineCase
-from contact_estimation.reproduction.paper import NOISE_VARIANCE, PAPER
-from contact_estimation.reproduction.simulation_cases import SIMULATION_CASES
-from contact_estimation.reproduction.table import ALL_CASES, as_text, row_of
+from contact_estimation.studies.reproduction import table as table_module
+from contact_estimation.studies.reproduction.case import (
+    BEST, bounds, Case, Errors, NOISE_VARIANCE, OnlineCase, PAPER)
+from contact_estimation.studies.reproduction.simulation_cases import SIMULATION_CASES
+from contact_estimation.studies.reproduction.table import ALL_CASES, as_text, row_of
 import numpy as np
 import pytest
 

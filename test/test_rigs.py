@@ -12,10 +12,17 @@ from typing import Any
 
 from blind_worlds import EXPERIMENT, ROBOT, WALL, WORLD
 import contact_estimation as ce
-from contact_estimation.blind_trials.family_scoring import NEUTRAL
-from contact_estimation.blind_trials.nuisances import disturbed, draw_nuisances, Nuisances
-from contact_estimation.blind_trials.rig import planned_motion, Rig, simulate_rig
-from contact_estimation.blind_trials.rig_trial import (
+from contact_estimation.commands.blind_trials import main
+from contact_estimation.diagnosis.observe.signals import signals_of
+from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.plant.plant_parameters import WallParameters
+from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.recorded_signals import read_signals
+from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.studies.blind_trials.family_scoring import NEUTRAL
+from contact_estimation.studies.blind_trials.rig import (
+    disturbed, draw_nuisances, Nuisances, planned_motion, Rig, simulate_rig)
+from contact_estimation.studies.blind_trials.rig_trial import (
     degree,
     draw_rig_trial,
     integration_rate,
@@ -24,19 +31,11 @@ from contact_estimation.blind_trials.rig_trial import (
     MIN_DEGREE,
     rig_residual,
 )
-from contact_estimation.blind_trials.rig_worlds import draw_rig, STAGES
-from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.study import plan_study
-from contact_estimation.blind_trials.trial_files import TrialFiles, write_rig_trial
-from contact_estimation.blind_trials.worlds import SensorModel
-from contact_estimation.commands.blind_trials import main
-from contact_estimation.diagnosis.observe.signals import signals_of
-from contact_estimation.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
-from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.plant.plant_parameters import WallParameters
-from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.recorded_signals import read_signals
-from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.studies.blind_trials.rig_worlds import draw_rig, STAGES
+from contact_estimation.studies.blind_trials.study import plan_study
+from contact_estimation.studies.blind_trials.trial import TrialFiles, write_rig_trial
+from contact_estimation.studies.blind_trials.worlds import Run, SensorModel, simulate
+from contact_estimation.studies.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
 import numpy as np
 import pytest
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.estimators.rls import (
     initial_covariance,
     RecursiveLeastSquares,

@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
-from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
+from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.estimators.rls_adaptive import (
     AdaptiveLeastSquares,
     AdaptiveLeastSquaresParameters,

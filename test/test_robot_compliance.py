@@ -5,12 +5,9 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.robot_compliance import (
-    of_the_wall,
-    RobotParameters,
-    seen_by_the_robot,
-)
 from contact_estimation.estimators.estimate import ParameterEstimate
+from contact_estimation.pipeline.parameters import (
+    add_robot_compliance, remove_robot_compliance, RobotParameters)
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
 import pytest
@@ -40,29 +37,30 @@ def test_deviations_are_those_of_drawn_estimates_and_compliances() -> None:
     estimate = ParameterEstimate(2e4, 150.0, 100.0, 5.0, 0.0, 0.0)
     draw = np.random.default_rng(1)
     walls = [
-        of_the_wall(
+        remove_robot_compliance(
             estimate._replace(stiffness=K, damping=B), RobotParameters(compliance=float(c)))[:2]
         for K, B, c in zip(draw.normal(2e4, 100.0, 4000), draw.normal(150.0, 5.0, 4000),
                            draw.normal(C, 1e-6, 4000))
     ]
-    got = of_the_wall(estimate, RobotParameters(compliance=C, compliance_std=1e-6))
+    got = remove_robot_compliance(estimate, RobotParameters(compliance=C, compliance_std=1e-6))
     assert (got.stiffness_std, got.damping_std) == pytest.approx(np.std(walls, axis=0), rel=0.05)
 
 
 def test_an_uncertain_compliance_widens_what_no_residual_shows() -> None:
     estimate = ParameterEstimate(3e4, 100.0, 10.0, 1.0, 0.0, 0.0)
-    got = of_the_wall(estimate, RobotParameters(compliance_std=1e-5))
+    got = remove_robot_compliance(estimate, RobotParameters(compliance_std=1e-5))
     assert got[:2] == estimate[:2]
     assert got.stiffness_std == pytest.approx(np.hypot(10.0, 3e4**2 * 1e-5))
 
 
 def test_a_stiffness_beyond_that_of_the_robot_stays_finite_with_a_wide_band() -> None:
-    got = of_the_wall(ParameterEstimate(6e4, 10.0, 100.0, 1.0, 0.0, 0.0), RobotParameters(C, 0.0))
+    got = remove_robot_compliance(
+        ParameterEstimate(6e4, 10.0, 100.0, 1.0, 0.0, 0.0), RobotParameters(C, 0.0))
     assert np.isfinite(got.stiffness) and got.stiffness_std > 0.05 * got.stiffness
 
 
 def test_the_reference_uses_the_stiffness_between_measured_position_and_force() -> None:
     robot = RobotParameters(compliance=C)
-    wall = of_the_wall(ParameterEstimate(2e4, 0.0, 0.0, 0.0, 0.0, 0.0), robot)
-    assert seen_by_the_robot(wall.stiffness, robot) == pytest.approx(2e4)
-    assert seen_by_the_robot(2e4, RIGID) == 2e4
+    wall = remove_robot_compliance(ParameterEstimate(2e4, 0.0, 0.0, 0.0, 0.0, 0.0), robot)
+    assert add_robot_compliance(wall.stiffness, robot) == pytest.approx(2e4)
+    assert add_robot_compliance(2e4, RIGID) == 2e4

@@ -11,8 +11,8 @@ from typing import Any, Iterator
 
 from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
 from contact_estimation.commands import replay
-from contact_estimation.estimation.events import DESCRIPTION, EstimationEvent
 from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
 from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest

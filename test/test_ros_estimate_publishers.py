@@ -9,11 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Iterator
 
-from contact_estimation.estimation.matrix_messages import MATRIX_TOPICS
 from contact_estimation.estimators.stiffness_matrix import (
-    StiffnessMatrix,
-    StiffnessMatrixParameters,
-)
+    StiffnessMatrix, StiffnessMatrixParameters)
+from contact_estimation.pipeline.axes import MATRIX_TOPICS
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Iterator
 
-from contact_estimation.estimation.checks.stream_checks import graph_warnings
+from contact_estimation.pipeline.checks.stream_checks import graph_warnings
 import pytest
 import rclpy
 from ros_listener import DEEP_QOS

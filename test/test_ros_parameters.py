@@ -8,9 +8,9 @@ from __future__ import annotations
 from math import isfinite, isnan, nan
 from typing import Any, Iterator
 
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.parameters.specification import ParameterSpecification, specifications
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 from effect_examples import switched_on
 import pytest

@@ -11,8 +11,8 @@ from typing import Any
 from arm_contact import B_E, instants, K_E
 from arm_transforms import OF_TF, static_bytes, transform
 from contact_estimation.commands import replay
-from contact_estimation.estimation.events import EstimationEvent
 from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import RecordingReader
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes
@@ -22,7 +22,7 @@ from ros_peer import ESTIMATES, WINDOW
 from ros_processes import node_process, parameter_arguments, run_module
 from small_arm import MOVING
 
-from contact_estimation.ros.message_classes import has_transforms, message_class  # noqa: I100
+from contact_estimation.ros.topics import has_transforms, message_class  # noqa: I100
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.scales import Scales
+from contact_estimation.physics.drawn_effect import Scales
 from effect_examples import SCALES
 import pytest
 

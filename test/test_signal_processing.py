@@ -11,15 +11,11 @@ from math import pi, sqrt
 from contact_estimation.estimators import OFFLINE_ESTIMATORS
 from contact_estimation.estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from contact_estimation.estimators.signal_processing import (
-    damping_ratio,
-    dominant_frequency,
-    environment_of,
-    settling_time,
-)
+    damping_ratio, dominant_frequency, environment_of, settling_time)
 from contact_estimation.exceptions import EstimationError
-from contact_estimation.reproduction.paper import B_E, K_E
-from contact_estimation.reproduction.simulation_cases import step_recording
-from contact_estimation.signals.contact_recording import ContactRecording
+from contact_estimation.signals.contact_sample import ContactRecording
+from contact_estimation.studies.reproduction.case import B_E, K_E
+from contact_estimation.studies.reproduction.simulation_cases import step_recording
 import numpy as np
 import pytest
 

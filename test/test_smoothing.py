@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.signals.smoothing import smoothed_rate
+from contact_estimation.signals.filters import smoothed_rate
 import numpy as np
 import pytest
 from scipy.signal import savgol_filter

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimation.pipeline import LOCATING
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
+from contact_estimation.pipeline.axis_pipeline import LOCATING
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, estimates_of, pipeline_with
 import numpy as np

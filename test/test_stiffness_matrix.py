@@ -11,10 +11,7 @@ from pathlib import Path
 import re
 
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
-from contact_estimation.benchmarks.matrix_study import estimate_of as study_estimate
-from contact_estimation.benchmarks.matrix_study import main, make_world, score_of
 from contact_estimation.commands import replay
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
@@ -26,9 +23,12 @@ from contact_estimation.estimators.stiffness_matrix import (
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import WrenchEncoder
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
+from contact_estimation.studies.benchmarks.matrix_study import estimate_of as study_estimate
+from contact_estimation.studies.benchmarks.matrix_study import main, make_world, score_of
 import numpy as np
 import pytest
 from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE

@@ -12,8 +12,7 @@ from typing import Any
 import contact_estimation as ce
 from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.plant.simulation import simulate_experiment
-from contact_estimation.plant.simulation_file import write_simulation
+from contact_estimation.plant.simulation import simulate_experiment, write_simulation
 from contact_estimation.recordings import table
 from contact_estimation.recordings.columns import signals_of_columns
 from contact_estimation.recordings.table import read_columns

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from math import nan, sqrt
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.target_pose import check_target_pose, step_along
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.arm_outputs import check_target_pose, step_along
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.reference.parameters import PoseLimits
 import pytest
 

@@ -10,28 +10,18 @@ from math import isnan
 
 from contact_estimation.estimators.offline_estimator import TargetImpedance
 from contact_estimation.parameters.values import build
-from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.reference.setpoints import Reference
-from contact_estimation.reproduction.testbed_constants import (
+from contact_estimation.studies.reproduction.testbed_constants import (
     FlexibleWallConstants,
     TESTBED,
     TestbedConstants,
 )
-from contact_estimation.reproduction.testbed_identification import identify_arm
-from contact_estimation.reproduction.testbed_runs import TRACKING_TARGET
-from contact_estimation.reproduction.testbed_sensors import (
-    make_sensors,
-    PaperAcquisition,
-    RawAcquisition,
-)
-from contact_estimation.reproduction.testbed_wall import (
-    free_rate,
-    moved,
-    pressing_force,
-    WallState,
-)
-from contact_estimation.reproduction.testbed_world import TestbedWorld
+from contact_estimation.studies.reproduction.testbed_runs import identify_arm, TRACKING_TARGET
+from contact_estimation.studies.reproduction.testbed_world import (
+    free_rate, make_sensors, moved, PaperAcquisition, pressing_force, RawAcquisition, TestbedWorld,
+    WallState)
 import numpy as np
 import pytest
 
@@ -78,7 +68,7 @@ def test_real_impedance_differs_from_the_target() -> None:
 def test_identified_impedance_of_an_ideal_arm_is_the_target(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr('contact_estimation.reproduction.testbed_runs.TESTBED', IDEAL)
+    monkeypatch.setattr('contact_estimation.studies.reproduction.testbed_runs.TESTBED', IDEAL)
     arm = identify_arm(TargetImpedance(), 0)
     assert (arm.mass, arm.damping) == pytest.approx((20.0, 50.0), rel=0.06)
 

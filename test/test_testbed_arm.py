@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.reproduction.symmetric_matrix import solve, times
-from contact_estimation.reproduction.testbed_arm import PlanarArm
-from contact_estimation.reproduction.testbed_constants import ArmConstants, Triple
+from contact_estimation.studies.reproduction.testbed_arm import PlanarArm, solve, times
+from contact_estimation.studies.reproduction.testbed_constants import ArmConstants, Triple
 import numpy as np
 from numpy.typing import NDArray
 import pytest

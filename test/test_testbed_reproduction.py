@@ -5,10 +5,9 @@
 
 from __future__ import annotations
 
-from contact_estimation.reproduction.case import BEST, Case, Errors
-from contact_estimation.reproduction.paper import PAPER
-from contact_estimation.reproduction.table import row_of
-from contact_estimation.reproduction.testbed_cases import TESTBED_CASES
+from contact_estimation.studies.reproduction.case import BEST, Case, Errors, PAPER
+from contact_estimation.studies.reproduction.table import row_of
+from contact_estimation.studies.reproduction.testbed_cases import TESTBED_CASES
 import pytest
 
 

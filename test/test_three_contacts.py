@@ -13,13 +13,8 @@ import sys
 from contact_estimation.commands import three_contacts as command
 from contact_estimation.estimators.contact_points_estimator import ContactPointsEstimate
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.reproduction.three_contacts import (
-    ALL_TOUCH_S,
-    errors_of,
-    estimate,
-    VARIANTS,
-)
-from contact_estimation.reproduction.three_contacts_world import Instant, RATE, simulate
+from contact_estimation.studies.reproduction.three_contacts import (
+    ALL_TOUCH_S, errors_of, estimate, Instant, RATE, simulate, VARIANTS)
 import numpy as np
 import pytest
 

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.wall_law import laws_in_words, WallLawNews
 from contact_estimation.estimators.multiple_model import LAWS
+from contact_estimation.pipeline.wall_law import laws_in_words, WallLawNews
 import pytest
 
 

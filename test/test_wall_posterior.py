@@ -7,7 +7,7 @@ from math import nan, sqrt
 from typing import Callable
 
 from contact_estimation.estimators.multiple_model import (
-    CONTACT, FREE, LAWS, told_lag, WallPosterior)
+    CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
 from contact_estimation.estimators.multiple_model.evidence import Hypotheses, judge, Scene
 from contact_estimation.estimators.multiple_model.laws import (
@@ -19,7 +19,7 @@ from scipy.stats import multivariate_normal
 from wall_worlds import Array, contact, fed, Law, Samples, spring_damper, step
 
 K, B = 5000.0, 100.0
-NO_LAG = told_lag(0.0, 1e-3)  # the sensor has none, and says so
+NO_LAG = lag_prior(0.0, 1e-3)  # the sensor has none, and says so
 
 
 def within(value: float, truth: float, std: float, stds: float = 2.0) -> bool:

@@ -14,18 +14,17 @@ from threading import Event
 from typing import Any
 
 from contact_estimation.commands import loop, simulate, watch
-from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.messages import encode_string, Vector3StampedEncoder, WrenchEncoder
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+from contact_estimation.messages.plain_decoding import DIAGNOSTICS_TYPE
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.growing import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
-from contact_estimation.watch import recorded
-from contact_estimation.watch.contact_log import CHECKS, ContactLog, STATUS
-from contact_estimation.watch.growing import follow_recording
+from contact_estimation.watch import show as watch_show
+from contact_estimation.watch.layouts import PLOTS
 from contact_estimation.watch.live import LiveContact
-from contact_estimation.watch.outputs import show
-from contact_estimation.watch.plots import PLOTS
+from contact_estimation.watch.readings import CHECKS, ContactLog, STATUS
+from contact_estimation.watch.show import follow_recording, show
 from contact_estimation.watch.view import ContactView
 import numpy as np
 import pytest
@@ -72,7 +71,7 @@ def diagnostics(name: str, values: dict[str, str]) -> bytes:
 def replayed(path: Path) -> ContactLog:
     reader, view = RecordingReader(path), KeptView()
     replay = RecordingReplay(reader, RecordingSource(), {})
-    recorded.show_recording(view, reader, RecordingSource(), replay)  # type: ignore[arg-type]
+    watch_show.show_recording(view, reader, RecordingSource(), replay)  # type: ignore[arg-type]
     return view.log
 
 
@@ -95,7 +94,7 @@ def test_a_long_recording_is_thinned(
     recording: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = replayed(recording).values['stiffness/estimate']
-    monkeypatch.setattr(recorded, '_MOST', 100)
+    monkeypatch.setattr(watch_show, '_MOST', 100)
     step = 1 + len(whole[0]) // 100
     thinned = replayed(recording).values
     assert thinned['stiffness/estimate'] == (whole[0][::step], whole[1][::step])
@@ -254,7 +253,7 @@ def test_without_a_display_a_page_is_served(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(sys, 'platform', 'linux')
     for name in ('DISPLAY', 'WAYLAND_DISPLAY'):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr('contact_estimation.watch.outputs.serve', lambda view, layout: 'served')
+    monkeypatch.setattr('contact_estimation.watch.show.serve', lambda view, layout: 'served')
     assert show(ContactView('a'), 'window') == 'no display; served'
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from contact_estimation.parameters.specification import optional_parameter, ParameterGroup
 from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.drawn_effect import Scales
 from contact_estimation.physics.numeric import Number
-from contact_estimation.physics.scales import Scales
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,13 @@ from typing import Any, Iterator
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
-from ..blind_trials.arm_trials import arm_text, run_arm_trials
-from ..blind_trials.calibration import calibrate
-from ..blind_trials.family_report import family_dict, family_text
-from ..blind_trials.reliability import plot_reliability
-from ..blind_trials.report import as_dict, as_text, plot_confusion
-from ..blind_trials.study import judged_trials, plan_study, run_study, Scores
 from ..exceptions import ParameterRangeError
 from ..scheduling import ThisProcess, Workers, workers
+from ..studies.blind_trials.arm_trials import arm_text, run_arm_trials
+from ..studies.blind_trials.calibration import calibrate
+from ..studies.blind_trials.family_scoring import family_dict, family_text, plot_reliability
+from ..studies.blind_trials.report import as_dict, as_text, plot_confusion
+from ..studies.blind_trials.study import judged_trials, plan_study, run_study, Scores
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
 

@@ -15,7 +15,6 @@ import yaml
 
 from .command_line import command, different_files, new_file, Parser, source_of
 from .reading_options import add_reading_options
-from ..estimation.recorded_arm import recorded_description
 from ..exceptions import (
     EstimationError,
     ModelFileError,
@@ -29,6 +28,7 @@ from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameters.file import read_parameter_file
 from ..parameters.specification import specifications
+from ..pipeline.recorded_arm import recorded_description
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical

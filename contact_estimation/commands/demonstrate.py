@@ -18,8 +18,7 @@ from .command_line import command, new_folder, Parser
 from ..exceptions import ContactEstimationError, ParameterRangeError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import build, flatten, without
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PlantParameters
+from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 
 WORLD = {
     'environment.stiffness': 4800.0, 'environment.damping': 200.0, 'sensors.force_noise': 0.3,

@@ -37,9 +37,9 @@ from ..diagnosis.report.text_report import as_text
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..figures import require_matplotlib
 from ..plant.engines import ENGINES
-from ..plant.model_file import read_model
+from ..plant.plant_parameters import read_model
 from ..recordings.identity import share_data
-from ..reference.experiment_file import experiment_text
+from ..reference.experiments import experiment_text
 
 
 def make_parser() -> Parser:

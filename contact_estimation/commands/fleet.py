@@ -21,7 +21,7 @@ from .progress import Progress
 from .reading_options import add_tare_option, reading_of
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
-from ..fleet.discovery import find_recordings, passed_over
+from ..fleet.discovery import find_recordings, skipped_files
 from ..fleet.fingerprint import Settings
 from ..fleet.finished import write_whole
 from ..fleet.page.builder import as_html
@@ -29,7 +29,7 @@ from ..fleet.run import Fleet, run_fleet
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters.values import without
 from ..physics import effects_that_are_on
-from ..plant.model_file import read_model
+from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
 
@@ -91,7 +91,7 @@ def run(options: Any) -> int:
     settings = _settings(options)
     found = find_recordings(options.paths, options.group_by)
     used = {one.name for one in found}
-    skipped = [name for name in passed_over(options.paths) if name not in used]
+    skipped = [name for name in skipped_files(options.paths) if name not in used]
     folder = _output(options.output)
     different_files((str(folder / name) for name in ('table.parquet', 'index.html')),
                     {'the nominal model file': [options.nominal]})

@@ -22,13 +22,11 @@ from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
 from ..recordings.definitions import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
-from ..ros.loop_configuration import configure, LoopConfiguration, write_parameters
-from ..ros.loop_figure import plot_run
-from ..ros.loop_processes import LoopProcesses, require_rclpy
-from ..ros.loop_run import read_run
-from ..ros.loop_summary import gap_explained, summarise
-from ..watch.outputs import WEB, WINDOW
-from ..watch.rerun_sdk import require_rerun
+from ..ros.loop_processes import (
+    configure, LoopConfiguration, LoopProcesses, require_rclpy, write_parameters)
+from ..ros.loop_run import gap_explained, plot_run, read_run, summarise
+from ..watch.show import WEB, WINDOW
+from ..watch.view import require_rerun
 
 _NICENESS, _VIEW_TIMEOUT_S = 10, 60.0  # of the view, which is slow on a busy machine
 _EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'

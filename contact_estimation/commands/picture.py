@@ -8,12 +8,11 @@ from __future__ import annotations
 from typing import Mapping
 
 from .command_line import new_file
-from ..estimation.arm_signals import read_contact_signals
-from ..estimation.contact_figure import plot_contact, signal_series
-from ..estimation.estimate_trace import EstimateTrace
-from ..estimation.parameters import EstimationParameters
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
+from ..pipeline.estimate_files import EstimateTrace, plot_contact, signal_series
+from ..pipeline.parameters import EstimationParameters
+from ..pipeline.recorded_arm import read_contact_signals
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
 

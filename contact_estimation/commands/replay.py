@@ -30,12 +30,12 @@ from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from .replayed_parameters import replayed_parameters
 from ..diagnosis.checks import check
 from ..diagnosis.observe.read_recording import read_recording
-from ..estimation.estimate_files import CsvEstimates, McapEstimates
-from ..estimation.replay import RecordingReplay
-from ..estimation.result import AxesEstimates
 from ..estimators import ONLINE_ESTIMATORS
+from ..estimators.estimate import AxesEstimates
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ContactEstimationError, ParameterRangeError, UnknownNameError
+from ..pipeline.estimate_files import CsvEstimates, McapEstimates
+from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 

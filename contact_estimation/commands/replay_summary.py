@@ -13,12 +13,11 @@ from typing import Any, Callable, Sequence
 import numpy as np
 
 from ..diagnosis.observe.signals import LEAST_SAMPLES
-from ..estimation.estimate_files import stamp_text
-from ..estimation.model_fit import ModelFitMonitor
-from ..estimation.replay import RecordingReplay
-from ..estimation.result import AxesEstimates
-from ..estimators.estimate import Estimate, EstimateStatus
+from ..estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ..exceptions import RecordingError
+from ..pipeline.estimate_files import stamp_text
+from ..pipeline.replay import RecordingReplay
+from ..pipeline.wall_law import ModelFitMonitor
 from ..recordings import RecordingReader
 from ..recordings.free_flight import Tare
 from ..texts import printable
@@ -132,12 +131,12 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
     """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
-    causes = [found.warned.text for found in replay.session.checks.found_in_order()
+    causes = [found.warned.text for found in replay.session.checks.ordered_warnings()
               if found.warned.name != _NO_CAUSE]
     cause = causes[0] if causes else ''
     if replayed.statuses == {EstimateStatus.FREE}:
         return (f'no contact seen in {recording}: '
-                f'{cause or replay.session.checks.why_no_contact(axis)}')
+                f'{cause or replay.session.checks.explain_no_contact(axis)}')
     held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3))
     return (f'nothing could be estimated in {recording}: '
             f'{cause or f"no sample in contact could be used ({held})"}')
@@ -148,7 +147,7 @@ def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:
     return [
         {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
          'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
-        for found in replay.session.checks.found_in_order()
+        for found in replay.session.checks.ordered_warnings()
     ]
 
 

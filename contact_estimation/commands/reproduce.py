@@ -13,8 +13,8 @@ from typing import Any
 from .command_line import command, new_file, Parser
 from .progress import Progress
 from ..exceptions import ParameterRangeError
-from ..reproduction.figures import plot_figures
-from ..reproduction.table import as_text, make_table
+from ..studies.reproduction.figures import plot_figures
+from ..studies.reproduction.table import as_text, make_table
 
 
 def make_parser() -> Parser:

@@ -19,15 +19,13 @@ from .command_line import (
     source_of,
 )
 from .picture import picture_trace, write_picture
-from ..estimation.estimate_trace import EstimateTrace
-from ..estimation.replay import RecordingReplay
 from ..exceptions import ParameterRangeError, RecordingError
-from ..plant.between_samples import BETWEEN
-from ..plant.model_file import read_model
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PlantParameters
-from ..plant.simulation import simulate_command, simulate_experiment, simulate_force, Simulation
-from ..plant.simulation_file import write_simulation
+from ..pipeline.estimate_files import EstimateTrace
+from ..pipeline.replay import RecordingReplay
+from ..plant.plant_parameters import PlantNodeParameters, PlantParameters, read_model
+from ..plant.sampled_signals import BETWEEN
+from ..plant.simulation import (
+    simulate_command, simulate_experiment, simulate_force, Simulation, write_simulation)
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals, RecordedSignals
 from ..recordings.source import RecordingSource

@@ -17,18 +17,9 @@ import numpy as np
 
 from .command_line import command, Parser
 from ..estimators.contact_points_estimator import ContactPointsEstimate
-from ..reproduction.three_contacts import ALL_TOUCH_S, errors_of, estimate, VARIANTS
-from ..reproduction.three_contacts_figure import plot_three_contacts
-from ..reproduction.three_contacts_world import (
-    B_E,
-    DURATION,
-    Instant,
-    K_E,
-    MU,
-    POINTS,
-    RATE,
-    simulate,
-)
+from ..studies.reproduction.three_contacts import (
+    ALL_TOUCH_S, B_E, DURATION, errors_of, estimate, Instant, K_E, MU, plot_three_contacts, POINTS,
+    RATE, simulate, VARIANTS)
 
 
 def run(options: Any) -> int:

@@ -22,16 +22,13 @@ from .command_line import (
 )
 from .progress import Progress
 from .replayed_parameters import replayed_parameters
-from ..estimation.replay import RecordingReplay
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError, RecordingError
+from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..ros.loop_processes import require_rclpy
-from ..watch.growing import follow_recording
-from ..watch.outputs import show, WEB, WINDOW
-from ..watch.recorded import show_recording
-from ..watch.rerun_sdk import require_rerun
-from ..watch.view import ContactView
+from ..watch.show import follow_recording, show, show_recording, WEB, WINDOW
+from ..watch.view import ContactView, require_rerun
 
 _OF_RECORDINGS = ('follow', 'topic', 'axis', 'joint', 'params', 'estimator')
 _FOLLOWED_S = 20.0  # shown of a recording that is being written

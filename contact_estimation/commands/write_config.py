@@ -13,15 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from .command_line import command, Parser
-from ..estimation.parameters import EstimationParameters
-from ..parameters.file import ANY_NODE
-from ..parameters.template import parameter_file
+from ..parameters.file import ANY_NODE, parameter_file
 from ..parameters.values import build
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ..pipeline.parameters import EstimationParameters
+from ..plant.plant_parameters import PAPER_NOISE, PlantNodeParameters, PlantParameters
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..watch.foxglove import foxglove_layout
-from ..watch.plotjuggler import plotjuggler_layout
+from ..watch.layouts import foxglove_layout, plotjuggler_layout
 
 
 def config_files() -> dict[str, str]:

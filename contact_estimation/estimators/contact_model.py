@@ -20,29 +20,11 @@ def kelvin_voigt_force(
     Eq. (3): F_e = -(K_e delta + B_e delta_dot) in contact (delta > 0), at most 0; else 0.
     The wall cannot pull, so the force is already 0 while withdrawing with delta > 0.
 
-    Parameters
-    ----------
-    delta : array_like, shape (N,)
-        Penetration [m], positive in contact.
-    delta_dot : array_like, shape (N,)
-        Penetration rate [m/s].
-    K_e : float
-        Stiffness [N/m], > 0.
-    B_e : float
-        Damping [N s/m], >= 0.
-
-    Returns
-    -------
-    F_e : ndarray, shape (N,)
-        Force on the end-effector [N], negative while pressing.
-
-    Raises
-    ------
-    SignalShapeError
-        If `delta` and `delta_dot` differ in shape.
-    ParameterRangeError
-        If `K_e` or `B_e` is out of range.
-
+    delta (N,): penetration [m], positive in contact
+    delta_dot (N,): penetration rate [m/s]
+    K_e: stiffness [N/m], > 0
+    B_e: damping [N s/m], >= 0
+    Returns F_e (N,): force on the end-effector [N], negative while pressing
     """
     delta, delta_dot = np.asarray(delta, float), np.asarray(delta_dot, float)
     if delta.shape != delta_dot.shape:

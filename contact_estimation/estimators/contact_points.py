@@ -27,30 +27,12 @@ SLIP_SPEED = 4e-4  # [m/s]; below it friction grows linearly, as in all effects 
 
 @dataclass(frozen=True)
 class ContactGeometry:
-    """
-    Contact points of the tool, and the plane that each of them may touch.
+    """Contact points of the tool, and the plane that each of them may touch."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (N, 3)
-        Positions in the frame of the tool [m].
-    surfaces : ndarray, shape (N, 3)
-        One position on the surface of each point, in the frame of the force [m].
-    normals : ndarray, shape (N, 3)
-        Unit vectors n_i from wall to robot, in the frame of the force.
-
-    Raises
-    ------
-    SignalShapeError
-        If the arrays differ in shape or do not have shape (N, 3).
-    ParameterRangeError
-        If a normal is not of unit length.
-
-    """
-
-    points: Array
+    points: Array  # (N, 3) positions in the frame of the tool [m]
+    # (N, 3) one position on the surface of each point, in the frame of the force [m]
     surfaces: Array
-    normals: Array
+    normals: Array  # (N, 3) unit vectors n_i from wall to robot, in the frame of the force
 
     def __post_init__(self) -> None:
         """Check shapes and normals."""
@@ -70,49 +52,21 @@ class ContactGeometry:
 
 
 class ToolMotion(NamedTuple):
-    """
-    Pose and twist of the tool in the frame of the force.
+    """Pose and twist of the tool in the frame of the force."""
 
-    Attributes
-    ----------
-    position : ndarray, shape (3,)
-        Position of the tool's origin [m].
-    rotation : ndarray, shape (3, 3)
-        From the frame of the tool to the frame of the force.
-    velocity : ndarray, shape (3,)
-        Velocity of the tool's origin [m/s].
-    angular_velocity : ndarray, shape (3,)
-        Angular velocity in the frame of the force [rad/s].
-
-    """
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    angular_velocity: Array
+    position: Array  # (3,) position of the tool's origin [m]
+    rotation: Array  # (3, 3) from the frame of the tool to the frame of the force
+    velocity: Array  # (3,) velocity of the tool's origin [m/s]
+    angular_velocity: Array  # (3,) angular velocity in the frame of the force [rad/s]
 
 
 class PointMotions(NamedTuple):
-    """
-    Motion of every contact point relative to its surface.
+    """Motion of every contact point relative to its surface."""
 
-    Attributes
-    ----------
-    delta : ndarray, shape (N,)
-        Penetration [m], positive in contact.
-    delta_dot : ndarray, shape (N,)
-        Its rate [m/s].
-    slip : ndarray, shape (N, 3)
-        Velocity along the surface [m/s].
-    arms : ndarray, shape (N, 3)
-        From the tool's origin to the point, in the frame of the force [m].
-
-    """
-
-    delta: Array
-    delta_dot: Array
-    slip: Array
-    arms: Array
+    delta: Array  # (N,) penetration [m], positive in contact
+    delta_dot: Array  # (N,) its rate [m/s]
+    slip: Array  # (N, 3) velocity along the surface [m/s]
+    arms: Array  # (N, 3) from the tool's origin to the point, in the frame of the force [m]
 
 
 def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions:
@@ -120,7 +74,6 @@ def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions
     Compute penetrations, their rates and the slip from pose and twist of a rigid tool.
 
     delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
-
     """
     normals = geometry.normals
     arms = geometry.points @ motion.rotation.T  # (N, 3) [m]
@@ -134,16 +87,8 @@ def slip_directions(slip: Array) -> Array:
     """
     Compute the smoothed direction s_i of sliding: tanh(|v| / 4e-4 m/s) v / |v|.
 
-    Parameters
-    ----------
-    slip : ndarray, shape (N, 3)
-        Velocity along the surface [m/s].
-
-    Returns
-    -------
-    directions : ndarray, shape (N, 3)
-        Unit length while sliding, 0 at rest.
-
+    slip (N, 3): velocity along the surface [m/s]
+    Returns directions (N, 3): unit length while sliding, 0 at rest
     """
     speed = np.linalg.norm(slip, axis=1, keepdims=True)  # (N, 1) [m/s]
     share = np.tanh(speed / SLIP_SPEED) / np.where(speed > 0.0, speed, 1.0)
@@ -159,24 +104,10 @@ def contact_forces(
     Eq. (5) with each point unilateral by itself, and Coulomb friction against the sliding:
     F_i = F_ni (n_i - mu s_i).
 
-    Parameters
-    ----------
-    geometry : ContactGeometry
-        Points and surfaces.
-    motions : PointMotions
-        Motion of the points.
-    K_e : float
-        Stiffness [N/m], > 0.
-    B_e : float
-        Damping [N s/m], >= 0.
-    mu : float
-        Coefficient of friction, >= 0.
-
-    Returns
-    -------
-    forces : ndarray, shape (N, 3)
-        Force on the tool [N].
-
+    K_e: stiffness [N/m], > 0
+    B_e: damping [N s/m], >= 0
+    mu: coefficient of friction, >= 0
+    Returns forces (N, 3): force on the tool [N]
     """
     if not mu >= 0.0:
         raise ParameterRangeError(f'mu must be >= 0, got {mu!r}')
@@ -188,39 +119,21 @@ def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
     """
     Sum the forces of all points, eq. (6), and their moments about the tool's origin.
 
-    Parameters
-    ----------
-    arms, forces : ndarray, shape (N, 3)
-        Vectors from the origin to each point [m], and the forces there [N].
-
-    Returns
-    -------
-    force, torque : ndarray, shape (3,)
-        Force [N] and torque [N m] on the tool.
-
+    arms, forces (N, 3): vectors from the origin to each point [m], and the forces there [N]
+    Returns force, torque (3,): force [N] and torque [N m] on the tool
     """
     return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
 
 
-def rubless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
+def frictionless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
     """
     Return the directions in which friction of sticking points cannot act.
 
     At rest, friction is an unknown force of up to mu F_n along the surface. One sticking point
     leaves its normal, two of one surface the same, two of different surfaces no direction.
 
-    Parameters
-    ----------
-    geometry : ContactGeometry
-        Points and surfaces.
-    sticking : ndarray of bool, shape (N,)
-        Points that press without sliding.
-
-    Returns
-    -------
-    directions : ndarray, shape (M, 3)
-        Orthonormal rows, M from 0 to 3.
-
+    sticking (N,): points that press without sliding
+    Returns directions (M, 3): orthonormal rows, M from 0 to 3
     """
     normals = geometry.normals[sticking]  # (S, 3)
     along = len(normals) * np.eye(3) - normals.T @ normals  # sum of projectors on the surfaces
@@ -234,20 +147,9 @@ def force_regressor(
     """
     Return Phi of eq. (6) written as F_e = Phi (K_e, B_e, mu K_e, mu B_e)^T.
 
-    Parameters
-    ----------
-    geometry : ContactGeometry
-        Points and surfaces.
-    motions : PointMotions
-        Motion of the points.
-    touching : ndarray of bool, shape (N,)
-        Points in contact; the others do not contribute.
-
-    Returns
-    -------
-    Phi : ndarray, shape (3, 4)
-        [sum delta_i n_i, sum deltadot_i n_i, -sum delta_i s_i, -sum deltadot_i s_i].
-
+    touching (N,): points in contact; the others do not contribute
+    Returns Phi (3, 4): [sum delta_i n_i, sum deltadot_i n_i, -sum delta_i s_i, -sum deltadot_i
+    s_i]
     """
     pressing = np.stack([motions.delta, motions.delta_dot]) * touching  # (2, N) [m], [m/s]
     along = pressing @ geometry.normals  # (2, 3)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
 
@@ -12,17 +13,53 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_points import (
-    Array,
-    ContactGeometry,
-    force_regressor,
-    point_motions,
-    PointMotions,
-    rubless_directions,
-    ToolMotion,
-)
-from .contact_points_parameters import ContactPointsParameters
+    Array, ContactGeometry, force_regressor, frictionless_directions, point_motions, PointMotions,
+    ToolMotion)
 from .estimate import EstimateStatus
 from ..exceptions import SignalShapeError
+from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ContactPointsParameters(ParameterGroup):
+    """Prior, noise and memory of the estimation from several contact points."""
+
+    initial_stiffness: float = parameter(3000.0, 'First guess of K_e', 'N/m', minimum=1e-3)
+    initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
+    initial_friction: float = parameter(
+        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0,
+        maximum=10.0,
+    )
+    stiffness_std: float = parameter(
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
+    )
+    damping_std: float = parameter(
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
+    )
+    friction_std: float = parameter(
+        1.0, 'Prior standard deviation of mu; 0: known, not estimated', minimum=0.0, maximum=1e3
+    )
+    forgetting_factor: float = parameter(
+        0.999, 'Forgetting factor lambda per sample in contact; closer to 1: smoother, slower',
+        minimum=0.5, maximum=1.0,
+    )
+    force_noise: float = parameter(
+        0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6
+    )
+    position_noise: float = parameter(
+        1e-5, 'Standard deviation of the position of a point; samples with a point closer to its '
+        'surface are not used', 'm', minimum=0.0,
+    )
+    sliding_speed: float = parameter(
+        2e-3, 'Below this speed a point counts as sticking, and force directions that its '
+        'friction may affect are not used; choose it well above the velocity noise', 'm/s',
+        minimum=0.0,
+    )
+    maximum_relative_std: float = parameter(
+        0.2, 'K_hat and B_hat are updated only while their relative standard deviation is lower',
+        minimum=1e-4,
+    )
+
 
 _STEPS = 2  # Gauss-Newton steps per sample, starting from the last result
 _SURE = 3.0  # standard deviations
@@ -31,56 +68,29 @@ _STICKING = 'points stick: their friction is unknown'
 
 
 class ContactPointsSample(NamedTuple):
-    """
-    Force and motion at one instant.
+    """Force and motion at one instant."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp of the wrench [ns].
-    force : ndarray, shape (3,)
-        Measured F_e on the tool [N].
-    motion : ToolMotion
-        Pose and twist, in the frame of the force.
-
-    """
-
-    stamp_ns: int
-    force: Array
-    motion: ToolMotion
+    stamp_ns: int  # header stamp of the wrench [ns]
+    force: Array  # (3,) measured F_e on the tool [N]
+    motion: ToolMotion  # pose and twist, in the frame of the force
 
 
 class ContactPointsEstimate(NamedTuple):
-    """
-    Estimate after one sample.
+    """Estimate after one sample."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the sample [ns].
-    stiffness, damping, friction : float
-        K_hat [N/m], B_hat [N s/m] and mu_hat.
-    stiffness_std, damping_std, friction_std : float
-        Their standard deviations; 0 for a friction that is known.
-    touching : tuple of bool
-        Points that are known to press.
-    status : EstimateStatus
-        Free, estimating or frozen.
-    reason : str
-        Why parameters are frozen, else ''.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # stamp of the sample [ns]
+    # stiffness, damping, friction: K_hat [N/m], B_hat [N s/m] and mu_hat
     stiffness: float
     damping: float
     friction: float
+    # stiffness_std, damping_std, friction_std: their standard deviations; 0 for a friction that is
+    # known
     stiffness_std: float
     damping_std: float
     friction_std: float
-    touching: tuple[bool, ...]
-    status: EstimateStatus
-    reason: str
+    touching: tuple[bool, ...]  # points that are known to press
+    status: EstimateStatus  # free, estimating or frozen
+    reason: str  # why parameters are frozen, else ''
 
 
 class ContactPointsEstimator:
@@ -99,7 +109,6 @@ class ContactPointsEstimator:
     The friction of a sticking point does not follow from its motion: the direction of a measured
     velocity near 0 is noise and biases mu and K_hat towards 0. Only rows that friction of
     sticking points cannot affect are used.
-
     """
 
     def __init__(
@@ -161,7 +170,7 @@ class ContactPointsEstimator:
         if not self._free[2] and self._prior[2] == 0.0:
             return np.eye(3)  # no friction
         sticks = np.linalg.norm(motions.slip, axis=1) < self.parameters.sliding_speed
-        return rubless_directions(self.geometry, touching & sticks)
+        return frictionless_directions(self.geometry, touching & sticks)
 
     def _learn(self, Phi: Array, force: Array) -> None:
         """Add up to three rows to the information and update the parameters."""

@@ -80,6 +80,9 @@ class ParameterEstimate(NamedTuple):
     inertia: float
 
 
+AxesEstimates = tuple[Estimate, ...]
+"""Estimates of one sample, one for each axis, the contact axis first."""
+
 new_tuple = tuple.__new__
 """Makes a named tuple from a tuple of its fields, in half the time of a call of its class."""
 

@@ -9,8 +9,8 @@ from abc import ABC, abstractmethod
 from math import nan
 from typing import ClassVar, Mapping, Sequence
 
-from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, ParameterEstimate
+from .parameters import EnvironmentParameters
 from ..parameters.specification import ParameterGroup
 from ..reference.setpoints import Reference
 from ..signals.relations import Relation, Row, VelocityRelation

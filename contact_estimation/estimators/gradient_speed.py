@@ -20,16 +20,8 @@ def stiffest_wall(stiffness_gain: float) -> float:
 
     With phi = d = F / K, eq. (25) has the time constant 1 / (Gamma^-1 d^2).
 
-    Parameters
-    ----------
-    stiffness_gain : float
-        Entry of Gamma^-1 for K [N/m/(N m s)].
-
-    Returns
-    -------
-    stiffness : float
-        [N/m]
-
+    stiffness_gain: entry of Gamma^-1 for K [N/m/(N m s)]
+    Returns stiffness: [N/m]
     """
     return _USUAL_FORCE * sqrt(stiffness_gain * _SLOWEST_S)
 
@@ -38,13 +30,7 @@ def limitation_of(stiffness_gain: float, remedy: str = _REMEDY) -> str:
     """
     State the walls for which a gain is too small, for a warning at start-up.
 
-    Parameters
-    ----------
-    stiffness_gain : float
-        Entry of Gamma^-1 for K [N/m/(N m s)].
-    remedy : str
-        What to change.
-
+    stiffness_gain: entry of Gamma^-1 for K [N/m/(N m s)]
     """
     return (f'with stiffness_gain {stiffness_gain:g} K_hat needs over {_SLOWEST_S:g} s on walls '
             f'above {stiffest_wall(stiffness_gain):.3g} N/m pressed with {_USUAL_FORCE:g} N; '

@@ -76,7 +76,6 @@ class HuntCrossley(OnlineEstimator):
     The published stiffness and damping give the force of the law through eq. (3) at the mean
     recent penetration d: the secant K_e = K d^(n - 1) and B_e = chi d^n, so that eq. (20) yields
     the correct depth; the tangent stiffness is n K_e. `details` contains the law itself.
-
     """
 
     Parameters = HuntCrossleyParameters

@@ -47,7 +47,6 @@ class IndirectAdaptive(OnlineEstimator):
     exactly over a sample in which phi is constant. P is the covariance that this linear
     recursion gives its own estimate: initially as large as the initial value, driven by the
     force noise.
-
     """
 
     Parameters = IndirectAdaptiveParameters

@@ -56,7 +56,6 @@ class InstrumentalVariable(OnlineEstimator):
     The sums are kept and the equations solved for each row, so that no gain can grow where z and
     phi are out of phase. The covariance is sigma^2 A^-1 (sum z z^T) A^-T, A = sum z phi^T. The
     equation of a frozen parameter neither adds rows nor forgets.
-
     """
 
     Parameters = InstrumentalVariableParameters

@@ -30,8 +30,8 @@ class KalmanParameters(ParameterGroup):
     location_std: float = parameter(
         0.0,
         'Prior standard deviation of the wall location about the one known or found so far, which '
-        'the filter then estimates beside K_e; a lag of the force then biases both. 0: found as '
-        'for every estimator, see environment.location_std', 'm', minimum=0.0,
+        'the filter then estimates together with K_e; a lag of the force biases both. 0: found '
+        'as for every estimator, see environment.location_std', 'm', minimum=0.0,
     )
     relative_walk: float = parameter(
         0.002,
@@ -59,7 +59,6 @@ class Kalman(OnlineEstimator):
     A frozen parameter is a consider parameter (Schmidt): its value and covariance stay, without
     random walk, and its uncertainty enters the others. If B_e were treated as known, a wrong
     initial value would bias K_hat.
-
     """
 
     Parameters = KalmanParameters

@@ -29,55 +29,34 @@ _LATE = 3.0  # of timing_std, as for the check of the axes
 _EXACT = 1e-5  # relative error of the forces from smoothing and its derivatives
 _FITTED = 10.0  # unknowns for each force
 _SEEN = 0.5  # share of noise in a direction of the columns above which it shows nothing
-_STEPS = 3  # Gauss-Newton: a fourth changes no figure of `benchmarks.matrix_study`
+_STEPS = 3  # Gauss-Newton: a fourth changes no figure of `studies matrix`
 _MISFIT = 4.0  # variance of the residual relative to the noise, as for `~/model_fit`
 
 
 class MatrixEstimate(NamedTuple):
-    """
-    Coupled stiffness and damping of a contact; axes in the order x, y, z.
+    """Coupled stiffness and damping of a contact; axes in the order x, y, z."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the last sample used [ns].
-    stiffness, stiffness_std : ndarray, shape (3, 3)
-        -dF_i / dx_j as fitted, not symmetrised [N/m].
-    damping, damping_std : ndarray, shape (3, 3)
-        -dF_i / dv_j [N s/m].
-    principal, principal_std : ndarray, shape (3,)
-        Eigenvalues of the symmetric positive part of the stiffness, largest first [N/m].
-    directions : ndarray, shape (3, 3)
-        Their directions, one a row.
-    direction_std : ndarray, shape (3,)
-        Standard deviation of the angle of each direction [rad].
-    normal : ndarray, shape (3,)
-        Unit vector into the wall.
-    normal_std : float
-        Standard deviation of its angle [rad].
-    friction, friction_std : float
-        Coefficient of Coulomb friction along the wall, weighted by its probability.
-    status : EstimateStatus
-        Estimating, or frozen while nothing moves.
-    reason : str
-        Why it is frozen, or what the forces show besides K and B: friction, or an unknown law.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # stamp of the last sample used [ns]
+    # stiffness, stiffness_std (3, 3): -dF_i / dx_j as fitted, not symmetrised [N/m]
     stiffness: Array
     stiffness_std: Array
+    # damping, damping_std (3, 3): -dF_i / dv_j [N s/m]
     damping: Array
     damping_std: Array
+    # principal, principal_std (3,): eigenvalues of the symmetric positive part of the stiffness,
+    # largest first [N/m]
     principal: Array
     principal_std: Array
-    directions: Array
-    direction_std: Array
-    normal: Array
-    normal_std: float
+    directions: Array  # (3, 3) their directions, one a row
+    direction_std: Array  # (3,) standard deviation of the angle of each direction [rad]
+    normal: Array  # (3,) unit vector into the wall
+    normal_std: float  # standard deviation of its angle [rad]
+    # friction, friction_std: coefficient of Coulomb friction along the wall, weighted by its
+    # probability
     friction: float
     friction_std: float
-    status: EstimateStatus
+    status: EstimateStatus  # estimating, or frozen while nothing moves
+    # why it is frozen, or what the forces show besides K and B: friction, or an unknown law
     reason: str
 
 
@@ -104,7 +83,6 @@ def posterior(
 
     Friction and mass are as probable as not before. A residual above the noise is an error of the
     model, and correlated: deviations are wider by its ratio to the noise.
-
     """
     theta, cov, ratio = _solve(sums, timing_std)
     theta, cov, moved = _weighed(theta, cov, _MASS)

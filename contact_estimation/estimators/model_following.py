@@ -61,11 +61,7 @@ class ReferenceModel:
     """
     The target impedance of eq. (1), driven by the reference and the measured force.
 
-    Parameters
-    ----------
-    mass, damping, stiffness : float
-        M_t [kg], B_t [N s/m], K_t [N/m].
-
+    mass, damping, stiffness: M_t [kg], B_t [N s/m], K_t [N/m]
     """
 
     def __init__(self, mass: float, damping: float, stiffness: float) -> None:
@@ -85,17 +81,10 @@ class ReferenceModel:
 
         By the trapezoid rule: of second order, and stable for any target at any sample rate.
 
-        Parameters
-        ----------
-        dt : float
-            Time since the last sample [s].
-        position, velocity : float
-            x [m] and its rate [m/s]; the model starts there.
-        force : float
-            F_e now [N].
-        reference : Reference
-            x_r with its derivatives, from now on.
-
+        dt: time since the last sample [s]
+        position, velocity: x [m] and its rate [m/s]; the model starts there
+        force: F_e now [N]
+        reference: x_r with its derivatives, from now on
         """
         M, B, K, last = self._M, self._B, self._K, self._last
         if last is None:
@@ -134,15 +123,8 @@ class ModelFollowing:
     truth is within them, and the division of g_m and g_b by 1 + (g_m a^2 + g_b v^2) / (limit k),
     which matters in fast motion alone.
 
-    Attributes
-    ----------
-    mass, damping : float
-        m_hat [kg] and b_hat [N s/m].
-    model : ReferenceModel
-        The reference model.
-    error : float
-        x - x_m at the last sample [m].
-
+    mass, damping: m_hat [kg] and b_hat [N s/m]
+    error: x - x_m at the last sample [m]
     """
 
     def __init__(self, tuning: ModelFollowingParameters) -> None:
@@ -163,7 +145,6 @@ class ModelFollowing:
         Set new tuning while running.
 
         New initial values replace the estimates of the arm, a new target restarts the model.
-
         """
         old = self._p
         self._set(tuning)
@@ -186,20 +167,10 @@ class ModelFollowing:
         """
         Adapt to the last sample and return the control force for the next period.
 
-        Parameters
-        ----------
-        dt : float
-            Time since the last sample [s].
-        position, velocity, force : float
-            x [m], its rate [m/s] and F_e [N] as measured.
-        reference : Reference
-            What the model follows from now on.
-
-        Returns
-        -------
-        u : float
-            Force for the arm until the next sample [N].
-
+        dt: time since the last sample [s]
+        position, velocity, force: x [m], its rate [m/s] and F_e [N] as measured
+        reference: what the model follows from now on
+        Returns u: force for the arm until the next sample [N]
         """
         rate, g_m, g_b, k, most_power = self._gains
         x_m, v_m, a_m = self.model.advance(dt, position, velocity, force, reference)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of
 from .model_following import ModelFollowing, ModelFollowingParameters
+from .parameters import EnvironmentParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
@@ -54,7 +54,6 @@ class ModelReferenceAdaptive(OnlineEstimator):
     (Kreisselmeier 1977): with the Lyapunov function of eq. (24), V_dot = -2 theta_tilde^T R
     theta_tilde, where R has full rank if both K and B were excited within the memory T_m.
     T_m = 0 is eq. (25) itself.
-
     """
 
     Parameters = ModelReferenceParameters
@@ -150,7 +149,6 @@ class ModelReferenceAdaptive(OnlineEstimator):
 
         With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
         P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
-
         """
         (s, t, u, v), (r, q, w), (n, o, m) = S, self._R, self._N
         a, b, c, d = 1.0 - s * r - t * q, -s * q - t * w, -u * r - v * q, 1.0 - u * q - v * w

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 from ..parameters.specification import parameter, ParameterGroup
-from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactRecording
 
 
 class OfflineEstimate(NamedTuple):

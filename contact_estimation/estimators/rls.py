@@ -47,7 +47,6 @@ class RecursiveLeastSquares(OnlineEstimator):
 
     A frozen parameter is a consider parameter (Schmidt): it has neither gain nor forgetting, so
     that its covariance neither shrinks nor winds up, but its uncertainty enters the others.
-
     """
 
     Parameters = RecursiveLeastSquaresParameters
@@ -186,13 +185,8 @@ def initial_covariance(
 
     J gamma I J^T with J of eq. (39), times 16, since the relation is divided by 4.
 
-    Parameters
-    ----------
-    gamma : float
-        Diagonal of P[0] in (A, B, C).
-    sample_period_s : float
-        T [s].
-
+    gamma: diagonal of P[0] in (A, B, C)
+    sample_period_s: t [s]
     """
     T = sample_period_s
     rows = (

@@ -11,7 +11,7 @@ from typing import Sequence
 
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
-from .three_states import constrain, Covariance, diagonal, grow, State
+from .three_states import constrain, correct, diagonal, grow, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -57,7 +57,6 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
     P is the covariance itself, in (K_e, B_e, M_e). Frozen or poorly known parameters are not
     forgotten; frozen ones enter as consider parameters (Schmidt), as in `rls`.
-
     """
 
     Parameters = AdaptiveLeastSquaresParameters
@@ -91,40 +90,22 @@ class AdaptiveLeastSquares(OnlineEstimator):
         """Update, then forget, for each row; see `OnlineEstimator.update`."""
         free_K, free_B = not frozen.stiffness, not frozen.damping
         free_M = free_K and free_B and self._p.inertia_std > 0.0
-        (K, B, M), (KK, KB, KM, BB, BM, MM) = self._x, self._P
+        free = free_K, free_B, free_M
         K_low, K_high, B_high = self.environment.limits
         estimates = []
         for _, (y, f_K, f_B, _, f_M) in rows:
             variance = self._renewed_variance(noise_variance)
-            p_K = KK * f_K + KB * f_B + KM * f_M
-            p_B = KB * f_K + BB * f_B + BM * f_M
-            p_M = KM * f_K + BM * f_B + MM * f_M
-            expected = f_K * p_K + f_B * p_B + f_M * p_M + variance
+            K, B, M = self._x
             error = y - K * f_K - B * f_B - M * f_M
-            if free_K:
-                g_K = p_K / expected
-                K += g_K * error
-                KK -= g_K * p_K
-                KB -= g_K * p_B
-                KM -= g_K * p_M
-            elif free_B:  # K is frozen: its covariance with B still shrinks
-                KB -= p_K / expected * p_B
-            if free_B:
-                g_B = p_B / expected
-                B += g_B * error
-                BB -= g_B * p_B
-                BM -= g_B * p_M
-            if free_M:
-                g_M = p_M / expected
-                M += g_M * error
-                MM -= g_M * p_M
-            self._x, self._P = (K, B, M), (KK, KB, KM, BB, BM, MM)
+            self._x, self._P, expected = correct(
+                self._x, self._P, (f_K, f_B, f_M), error, variance, free)
+            K, B, _ = self._x
             if K_low <= K <= K_high and 0.0 <= B <= B_high:
                 self.stiffness, self.damping = K, B
             else:
-                K, B, M = self._project()
+                self._project()
             surprise = error * error / (expected * self._p.memory_samples)
-            KK, KB, KM, BB, BM, MM = self._forget(1.0 - surprise, free_K, free_B, free_M)
+            self._forget(1.0 - surprise, *free)
             estimates.append(self.current())
         return estimates
 
@@ -134,15 +115,14 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
         A sudden change of the wall raises the residual too: the noise variance may grow by a
         factor e per `memory_samples` rows at most.
-
         """
         slow = self._variance * self._noise_growth or noise_variance
         variance = slow if slow < noise_variance else noise_variance
         self._variance = variance = variance if variance > _SMALLEST else _SMALLEST
         return variance
 
-    def _forget(self, factor: float, free_K: bool, free_B: bool, free_M: bool) -> Covariance:
-        """Forget the parameters that are excited and known; return the covariance."""
+    def _forget(self, factor: float, free_K: bool, free_B: bool, free_M: bool) -> None:
+        """Forget the parameters that are excited and known."""
         p, (KK, KB, KM, BB, BM, MM) = self._p, self._P
         limit_K = p.maximum_relative_std * self.stiffness
         B, least = self.damping, self.environment.initial_damping
@@ -150,7 +130,7 @@ class AdaptiveLeastSquares(OnlineEstimator):
         known_K = free_K and KK < limit_K * limit_K
         known_B = free_B and BB < limit_B * limit_B
         if not known_K and not known_B:
-            return self._P
+            return
         least = p.smallest_forgetting_factor
         g = 1.0 / sqrt(factor if factor > least else least)
         g_M = g if free_M and known_K and known_B else 1.0
@@ -159,15 +139,13 @@ class AdaptiveLeastSquares(OnlineEstimator):
                        MM * g_M * g_M)
         else:
             self._P = grow(self._P, (g if known_K else 1.0, g if known_B else 1.0, g_M))
-        return self._P
 
-    def _project(self) -> State:
+    def _project(self) -> None:
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
         x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
         self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
         self.stiffness, self.damping = self.within_limits(K, B)
-        return self._x
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

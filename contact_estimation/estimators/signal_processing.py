@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
 from ..exceptions import EstimationError
-from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactRecording
 
 FFT_POINTS = 1024
 """The printed 2.930 Hz is bin 6 of 1024 points at 500 Hz; the true frequency is 2.76 Hz."""
@@ -26,7 +26,6 @@ class SignalProcessing(OfflineEstimator):
     Frequency from a bin of the FFT, damping from the cycles until the force has settled.
 
     Needs the force alone, of a step response that is under-damped.
-
     """
 
     name = 'signal_processing'
@@ -49,20 +48,8 @@ def environment_of(w_n: float, zeta: float, target: TargetImpedance) -> tuple[fl
     """
     Subtract the impedance of the robot from that of robot and wall, eqs. (17) and (18).
 
-    Parameters
-    ----------
-    w_n : float
-        Undamped natural frequency [rad/s].
-    zeta : float
-        Damping ratio.
-    target : TargetImpedance
-        Impedance of the robot.
-
-    Returns
-    -------
-    K_e, B_e : float
-        Of the environment [N/m], [N s/m].
-
+    w_n: undamped natural frequency [rad/s]
+    Returns K_e, B_e: of the environment [N/m], [N s/m]
     """
     K_e = w_n**2 * target.mass - target.stiffness
     B_e = 2.0 * zeta * sqrt((target.stiffness + K_e) * target.mass) - target.damping
@@ -81,13 +68,8 @@ def step_response(
     """
     Return the step response in a recording, from the onset of the force on.
 
-    Returns
-    -------
-    t : ndarray, shape (N,)
-        Time since the step [s].
-    force : ndarray, shape (N,)
-        Pressing force [N].
-
+    Returns t (N,): time since the step [s]
+    Returns force (N,): pressing force [N]
     """
     force = -recording.force
     noise = float(np.std(np.diff(force[: max(10, len(force) // 50)]))) / sqrt(2.0)
@@ -105,16 +87,8 @@ def dominant_frequency(t: NDArray[np.float64], force: NDArray[np.float64]) -> fl
     """
     Return the frequency of the strongest FFT bin: mean removed, no window, no padding.
 
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time [s] and force [N], N >= FFT_POINTS.
-
-    Returns
-    -------
-    w_d : float
-        Damped natural frequency [rad/s], a multiple of the bin width.
-
+    t, force (N,): time [s] and force [N], N >= FFT_POINTS
+    Returns w_d: damped natural frequency [rad/s], a multiple of the bin width
     """
     part = force[:FFT_POINTS]
     magnitude = np.abs(np.fft.rfft(part - np.mean(part)))
@@ -126,16 +100,8 @@ def settling_time(t: NDArray[np.float64], force: NDArray[np.float64]) -> float:
     """
     Return the last instant outside 5 % of the steady state, eq. (8).
 
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time [s] and force [N]; the last half is the steady state.
-
-    Returns
-    -------
-    T_s : float
-        Settling time [s].
-
+    t, force (N,): time [s] and force [N]; the last half is the steady state
+    Returns T_s: settling time [s]
     """
     steady = float(np.mean(force[len(force) // 2:]))
     outside = np.flatnonzero(np.abs(force - steady) > SETTLED * abs(steady))

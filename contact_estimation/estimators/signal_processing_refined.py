@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
 from .signal_processing import dominant_frequency, environment_of, step_response
 from ..exceptions import EstimationError
-from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactRecording
 
 _SKIPPED_S = 0.01
 """Skipped after the step, which may extend over some samples."""
@@ -27,7 +27,6 @@ class SignalProcessingRefined(OfflineEstimator):
     After a step, force and motion of the joint second-order system of eqs. (12) to (14) have this
     form exactly. The free offset c absorbs a sensor bias; a robust loss reduces the influence of
     outliers. The linear c, a and b are eliminated (variable projection).
-
     """
 
     name = 'signal_processing_refined'
@@ -89,20 +88,10 @@ def decomposition(
     """
     Return offset and amplitudes at given frequency and decay, by linear least squares.
 
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time [s] and force [N].
-    w_d, decay : float
-        Frequency [rad/s] and decay rate [1/s].
-
-    Returns
-    -------
-    basis : ndarray, shape (N, 3)
-        1, decaying cosine, decaying sine.
-    amplitudes : ndarray, shape (3,)
-        c, a, b [N].
-
+    t, force (N,): time [s] and force [N]
+    w_d, decay: frequency [rad/s] and decay rate [1/s]
+    Returns basis (N, 3): 1, decaying cosine, decaying sine
+    Returns amplitudes (3,): c, a, b [N]
     """
     envelope = np.exp(-abs(decay) * t)
     basis = np.column_stack(
@@ -117,11 +106,7 @@ def fitted(
     """
     Return the best-fitting response of given frequency and decay, as `decomposition`.
 
-    Returns
-    -------
-    response : ndarray, shape (N,)
-        Force [N].
-
+    Returns response (N,): force [N]
     """
     basis, amplitudes = decomposition(t, force, w_d, decay)
     response: NDArray[np.float64] = basis @ amplitudes

@@ -68,18 +68,8 @@ class StiffnessMatrix:
     what the forces change by. Columns that the motion does not excite have large deviations. All
     rows are smoothed by one kernel, whose derivatives give velocity and acceleration.
 
-    Parameters
-    ----------
-    parameters : StiffnessMatrixParameters
-        Memory.
-    timing_std : float
-        Prior standard deviation of the lag of each force [s].
-
-    Attributes
-    ----------
-    estimate : MatrixEstimate or None
-        The last one; None before the first.
-
+    timing_std: prior standard deviation of the lag of each force [s]
+    estimate: the last one; None before the first
     """
 
     def __init__(self, parameters: StiffnessMatrixParameters, timing_std: float) -> None:
@@ -186,7 +176,6 @@ def _rows(data: Array, step: Array, noise: Array, normal: Array) -> Array:
 
     Friction N u, with u the direction of sliding, is smoothed like force and position. A lag of
     the sensor delays u, but not the N that it measures itself: hence the column N du/dt.
-
     """
     inner = slice(_EDGE, -_EDGE)
     v = (data[:, 2 * _EDGE:, :3] - data[:, :-2 * _EDGE, :3]) / (2 * _EDGE * step)

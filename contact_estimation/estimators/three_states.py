@@ -29,7 +29,6 @@ def correct(
     x <- x + g e, P <- P - g H P with g = P H^T / (H P H^T + R). A state that is not free is a
     consider state (Schmidt): its value and its covariance with other such states stay; its
     uncertainty reduces the gain of the free ones.
-
     """
     aa, ab, ac, bb, bc, cc = P
     h_a, h_b, h_c = H
@@ -65,7 +64,6 @@ def grow(P: Covariance, growth: State) -> Covariance:
     Two states that grow scale with the factors given. One that grows alone forgets only what it
     has beyond the others, its variance given them: scaling its covariances with them too would
     keep a correlation of the past, along which both then drift.
-
     """
     aa, ab, ac, bb, bc, cc = P
     a, b, c = growth
@@ -94,7 +92,6 @@ def constrain(
     Project states onto limits of a linear combination of them, along their covariance.
 
     The others move consistently: x <- x - P n excess / (n^T P n).
-
     """
     n_a, n_b, n_c = normal
     value = n_a * x[0] + n_b * x[1] + n_c * x[2]

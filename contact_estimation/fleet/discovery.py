@@ -24,23 +24,11 @@ _BAG = 'metadata.yaml'
 
 
 class FoundRecording(NamedTuple):
-    """
-    A recording of the archive.
+    """A recording of the archive."""
 
-    Attributes
-    ----------
-    name : str
-        Its path as found, below the path that was given; bytes that are not UTF-8 escaped.
-    path : str
-        Absolute: workers have a working directory of their own.
-    group : str
-        The robot, wall or day that it belongs to.
-
-    """
-
-    name: str
-    path: str
-    group: str
+    name: str  # its path as found, below the path that was given; bytes that are not UTF-8 escaped
+    path: str  # absolute: workers have a working directory of their own
+    group: str  # the robot, wall or day that it belongs to
 
 
 def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[FoundRecording]:
@@ -57,7 +45,7 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
     return sorted(found.values(), key=lambda one: natural_order(one.name))
 
 
-def passed_over(paths: Sequence[str]) -> list[str]:
+def skipped_files(paths: Sequence[str]) -> list[str]:
     """Find the logs in given folders that are recordings of no kind that is searched for."""
     return [printable(file.as_posix()) for given in paths if os.path.isdir(given)
             for file in sorted(Path(given).rglob('*'))

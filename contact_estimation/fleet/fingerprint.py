@@ -21,39 +21,20 @@ from ..scheduling import installed_version
 
 @dataclass(frozen=True)
 class Settings:
-    """
-    What a worker needs besides a recording: plain data, equal on every machine.
+    """What a worker needs besides a recording: plain data, equal on every machine."""
 
-    Attributes
-    ----------
-    model : mapping of str to value
-        All parameters of the nominal model, by dotted name.
-    topics : mapping of str to str
-        As in `read_recording`.
-    reading : mapping
-        How recordings are read: attributes of `RecordingSource` that are no topics.
-    parameters : mapping of str to value
-        Of the estimator, chosen over recorded ones.
-    axis, joint : str
-        Contact axis of the force, and its joint; '' for the only joint.
-    seed : int
-        Of the bootstraps.
-    most_samples : int
-        Wrenches of a recording that are diagnosed, from its start.
-    version : str
-        Of this package.
-
-    """
-
-    model: Mapping[str, Any]
-    topics: Mapping[str, str] = field(default_factory=dict)
+    model: Mapping[str, Any]  # all parameters of the nominal model, by dotted name
+    topics: Mapping[str, str] = field(default_factory=dict)  # as in `read_recording`
+    # how recordings are read: attributes of `RecordingSource` that are no topics
     reading: Mapping[str, Any] = field(default_factory=dict)
+    # of the estimator, chosen over recorded ones
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    # axis, joint: contact axis of the force, and its joint; '' for the only joint
     axis: str = 'x'
     joint: str = ''
-    seed: int = 0
-    most_samples: int = 1_000_000
-    version: str = field(default_factory=installed_version)
+    seed: int = 0  # of the bootstraps
+    most_samples: int = 1_000_000  # wrenches of a recording that are diagnosed, from its start
+    version: str = field(default_factory=installed_version)  # of this package
 
     @classmethod
     def of(cls, model: PlantParameters, **options: Any) -> 'Settings':

@@ -9,57 +9,30 @@ from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 
-from .changes import Change
-from .entry import distinct, Entry
+from .findings import by_group, Change
 from .fingerprint import Settings
 from .one_recording import Outcome, process_pooled
-from .trends import by_group
+from .table import distinct, Entry
 from ..scheduling import Call
 
 _LEAST = 3  # recordings: two to fit and one to leave out
 
 
 class Pool(NamedTuple):
-    """
-    Recordings of a group that are diagnosed together.
+    """Recordings of a group that are diagnosed together."""
 
-    Attributes
-    ----------
-    group : str
-        Their group.
-    members : list of Entry
-        Spread evenly over time, since the last change of what is named.
-    since : Change or None
-        That change.
-
-    """
-
-    group: str
-    members: list[Entry]
-    since: Change | None
+    group: str  # their group
+    members: list[Entry]  # spread evenly over time, since the last change of what is named
+    since: Change | None  # that change
 
 
 class PooledResult(NamedTuple):
-    """
-    The pooled diagnosis of a group.
+    """The pooled diagnosis of a group."""
 
-    Attributes
-    ----------
-    pool : Pool
-        What was diagnosed.
-    whole : dict
-        Outcome with all members.
-    page : str
-        Its page, relative to the folder of the run; '' without.
-    left_out : list of dict
-        Outcome of the others, tested on each member.
-
-    """
-
-    pool: Pool
-    whole: Outcome
-    page: str
-    left_out: list[Outcome]
+    pool: Pool  # what was diagnosed
+    whole: Outcome  # outcome with all members
+    page: str  # its page, relative to the folder of the run; '' without
+    left_out: list[Outcome]  # outcome of the others, tested on each member
 
 
 def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[Pool]:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Iterator, Mapping, Sequence
 
-from .changes import Change, changes
 from .discovery import FoundRecording
-from .entry import Entry, in_time
+from .findings import by_group, Change, changes
 from .fingerprint import recording_sha256, Settings
 from .finished import Finished
 from .one_recording import Outcome, process, Result
 from .pooling import pooled_calls, PooledResult, pools
-from .trends import by_group
+from .table import Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import printable
 
@@ -25,31 +24,16 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class Fleet:
-    """
-    The results of a run.
+    """The results of a run."""
 
-    Attributes
-    ----------
-    entries : list of Entry
-        By group, and in time within each: the order of the table.
-    pooled : list of PooledResult
-        One for each group of enough recordings.
-    changes : list of Change
-        What is named from some recording on.
-    done, redone : int
-        Recordings whose results were there already, and those whose results were not; copies
-        count, too.
-    settings : Settings
-        Of all of them.
-
-    """
-
-    entries: list[Entry]
-    pooled: list[PooledResult]
-    changes: list[Change]
+    entries: list[Entry]  # by group, and in time within each: the order of the table
+    pooled: list[PooledResult]  # one for each group of enough recordings
+    changes: list[Change]  # what is named from some recording on
+    # done, redone: recordings whose results were there already, and those whose results were not;
+    # copies count, too
     done: int
     redone: int
-    settings: Settings
+    settings: Settings  # of all of them
 
     @property
     def failed(self) -> list[Entry]:

@@ -1,17 +1,158 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The fleet's table: a row for each contact of each recording, as a Parquet file."""
+"""
+The fleet's table: recordings in the order of time, a row for each contact, as a Parquet file.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from importlib import import_module
 import io
-from typing import Any, Iterator, Sequence
+from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 
-from .columns import COLUMNS
-from .entry import Entry
+from .discovery import FoundRecording
+from .one_recording import Outcome
 from ..exceptions import MissingPackageError
+from ..recordings.bag_folder import natural_order
+
+
+class Column(NamedTuple):
+    """A column of the table."""
+
+    name: str  # in the file
+    kind: str  # 'text', 'integer', 'number', 'time', 'texts', 'numbers', 'checks' or 'parameters'
+    unit: str  # SI; '' for what has none
+    meaning: str  # in words; of an episode or, by default, of the whole recording
+
+
+COLUMNS = (
+    Column('recording', 'text', '', 'path as found'),
+    Column('episode', 'integer', '', 'contact, from 1; 0 in the row of a recording without one'),
+    Column('group', 'text', '', 'from --group-by'),
+    Column('number', 'integer', '', 'place of the recording in time, from 1'),
+    Column('start', 'time', 'ns', 'stamp of the first sample'),
+    Column('duration_s', 'number', 's', 'from the first sample to the last'),
+    Column('begin_s', 'number', 's', 'begin of the episode, since `start`'),
+    Column('end_s', 'number', 's', 'end of the episode, since `start`'),
+    Column('status', 'text', '', 'of the estimator at the end of the episode'),
+    Column('stiffness', 'number', 'N/m', 'K_e estimated on line, at the end of the episode'),
+    Column('stiffness_std', 'number', 'N/m', 'standard deviation of `stiffness`'),
+    Column('damping', 'number', 'N s/m', 'B_e estimated on line, at the end of the episode'),
+    Column('damping_std', 'number', 'N s/m', 'standard deviation of `damping`'),
+    Column('model_fit', 'number', '1', 'rms of the residual over that of the noise'),
+    Column('verdict', 'text', '', 'of the diagnosis'),
+    Column('names', 'texts', '', 'effects named, strongest first'),
+    Column('families', 'texts', '', 'family of each name'),
+    Column('probabilities', 'numbers', '1', 'that the family of each name is right'),
+    Column('shares', 'numbers', '1', 'part of the mismatch that each name explains'),
+    Column('shares_low', 'numbers', '1', 'lower end of the 95 % interval of each share'),
+    Column('shares_high', 'numbers', '1', 'upper end of the 95 % interval of each share'),
+    Column('parameters', 'parameters', 'each its own', 'fitted parameters of the names'),
+    Column('remainder_share', 'number', '1', 'part of the mismatch that no name explains'),
+    Column('corrected_stiffness', 'number', 'N/m', 'K_e fitted together with the names'),
+    Column('corrected_stiffness_std', 'number', 'N/m', 'its standard deviation'),
+    Column('corrected_damping', 'number', 'N s/m', 'B_e fitted together with the names'),
+    Column('corrected_damping_std', 'number', 'N s/m', 'its standard deviation'),
+    Column('recalibrated_stiffness', 'number', 'N/m', 'K_e refitted without names'),
+    Column('recalibrated_damping', 'number', 'N s/m', 'B_e refitted without names'),
+    Column('noise_floor_n', 'number', 'N', 'noise of the force'),
+    Column('force_rmse_nominal_n', 'number', 'N', 'held-out error of the given model'),
+    Column('force_rmse_recalibrated_n', 'number', 'N', 'held-out error of the refitted model'),
+    Column('force_rmse_corrected_n', 'number', 'N', 'held-out error of the model with names'),
+    Column('motion_rmse_nominal_m', 'number', 'm', 'held-out error of the given model'),
+    Column('motion_rmse_recalibrated_m', 'number', 'm', 'held-out error of the refitted model'),
+    Column('motion_rmse_corrected_m', 'number', 'm', 'held-out error of the model with names'),
+    Column('improvement_low', 'number', '1', 'lower end of the 95 % interval of '
+           '1 - corrected / recalibrated'),
+    Column('improvement_high', 'number', '1', 'its upper end'),
+    Column('failed_checks', 'texts', '', 'names of the checks that failed'),
+    Column('checks', 'checks', '', 'all checks: name, ok, text'),
+    Column('diagnosed_s', 'number', 's', 'length of the part that was diagnosed'),
+    Column('page', 'text', '', 'page of the diagnosis, relative to the table'),
+    Column('error', 'text', '', 'why there is no result; empty where there is one'),
+    Column('version', 'text', '', 'of contact_estimation'),
+    Column('sha256', 'text', '', 'of the recording'),
+    Column('model_sha256', 'text', '', 'of the parameters of the nominal model'),
+)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A recording and its results."""
+
+    name: str  # path as found
+    path: str  # absolute path
+    group: str  # robot, wall or day
+    sha256: str  # of its content; '' if that could not be read
+    outcome: Outcome  # results of a worker
+    page: str = ''  # page of its diagnosis, relative to the folder of the run; '' if there is none
+    number: int = 0  # place in time, from 1
+
+    @classmethod
+    def of(cls, found: FoundRecording, sha256: str, outcome: Outcome, page: str) -> 'Entry':
+        """Return the entry of a found recording, without its number."""
+        return cls(found.name, found.path, found.group, sha256, outcome, page)
+
+    @property
+    def report(self) -> dict[str, Any] | None:
+        """Return the diagnosis; None if there is none, or if a check refused the recording."""
+        report: dict[str, Any] | None = self.outcome['report']
+        refused = report is not None and report['fit']['noise_floor_n'] is None
+        return None if refused else report
+
+    @property
+    def families(self) -> list[str]:
+        """Families of the named effects, strongest first."""
+        return list(dict.fromkeys(effect['family'] for effect in self.effects))
+
+    @property
+    def effects(self) -> list[dict[str, Any]]:
+        """Return the named effects."""
+        return list(self.report['effects']) if self.report else []
+
+    def corrected(self, name: str) -> tuple[float, float] | None:
+        """Return a fitted parameter of the wall."""
+        if self.report is None:
+            return None
+        found = self.report['corrected'][name]
+        if found['value'] is None or found['std'] is None:
+            return None
+        return found['value'], found['std']
+
+
+def distinct(entries: Iterable[Entry]) -> list[Entry]:
+    """Leave out copies: the same content proves nothing a second time."""
+    seen: dict[str, Entry] = {}
+    for place, entry in enumerate(entries):
+        seen.setdefault(entry.sha256 or f'unread {place}', entry)
+    return list(seen.values())
+
+
+def in_time(entries: Iterable[Entry]) -> list[Entry]:
+    """Sort recordings by their first stamps, and number them."""
+    named = sorted(entries, key=_by_name)
+    order = sorted(range(len(named)), key=lambda place: (_start(named, place), place))
+    return [replace(named[place], number=number) for number, place in enumerate(order, 1)]
+
+
+def _by_name(entry: Entry) -> tuple[str, list[tuple[int, str]]]:
+    return entry.group, natural_order(entry.name)
+
+
+def _start(named: Sequence[Entry], place: int) -> float:
+    """Return the first stamp [ns], or that between the neighbours of the group that have one."""
+    own: int | None = named[place].outcome['start_ns']
+    if own is not None:
+        return own
+    sides = (range(place - 1, -1, -1), range(place + 1, len(named)))
+    stamps = [next((named[k].outcome['start_ns'] for k in side
+                    if named[k].group == named[place].group
+                    and named[k].outcome['start_ns'] is not None), None) for side in sides]
+    known = [stamp for stamp in stamps if stamp is not None]
+    return sum(known) / len(known) if known else -1.0
+
 
 _NO_EPISODE = {'episode': 0}
 

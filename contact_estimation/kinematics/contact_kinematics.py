@@ -15,7 +15,7 @@ from .robot_model import RobotModel
 from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
 from .transform_model import TransformModel
 from ..exceptions import ParameterRangeError
-from ..signals.contact_parameters import ContactParameters
+from ..signals.conditioning import ContactParameters
 from ..signals.contact_sample import ContactSample
 
 Array = NDArray[np.float64]

@@ -35,14 +35,9 @@ class CdrCursor:
     """
     Walk over the fields of one message.
 
-    Attributes
-    ----------
-    byte_order : str
-        '<' or '>', as in the struct module.
-    fixed : list of tuple of int
-        Begin and end of the bytes passed so far on which the places of later fields depend:
-        encapsulation, texts and lengths.
-
+    byte_order: '<' or '>', as in the struct module
+    fixed: begin and end of the bytes passed so far on which the places of later fields depend:
+    encapsulation, texts and lengths
     """
 
     def __init__(self, raw: bytes) -> None:
@@ -138,11 +133,8 @@ class StampedLayout:
         """
         Read many messages at once.
 
-        Returns
-        -------
-        columns : tuple of ndarray, shape (N,), or None
-            Stamps [ns] and the wanted numbers; None if the layout does not fit all messages.
-
+        Returns columns (N,): stamps [ns] and the wanted numbers; None if the layout does not fit
+        all messages
         """
         if set(map(len, raws)) != {self._size}:
             return None
@@ -177,12 +169,8 @@ class StampedReader:
         """
         Read many messages of one frame at once.
 
-        Returns
-        -------
-        columns : tuple or None
-            Frame, stamps [ns] and the wanted numbers, as ndarrays of shape (N,); None if the
-            messages differ in structure and must be read one by one.
-
+        Returns columns: frame, stamps [ns] and the wanted numbers, as ndarrays of shape (N,); None
+        if the messages differ in structure and must be read one by one
         """
         try:
             frame_id = self.read(raws[0])[2]

@@ -123,15 +123,7 @@ def encode_arm(
     """
     Write sensor_msgs/msg/JointState with all joints.
 
-    Parameters
-    ----------
-    stamp_ns : int
-        Of the header.
-    names : sequence of str
-        The n joints.
-    position, velocity, effort : ndarray, shape (n,) or (0,)
-        Empty for what is not published.
-
+    position, velocity, effort (n,) or (0,): empty for what is not published
     """
     data = _head('', *names)
     for values in (position, velocity, effort):

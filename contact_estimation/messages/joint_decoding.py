@@ -1,14 +1,17 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Raw joint states and trajectories to readings."""
+"""Raw joint states, of an axis or a whole arm, and trajectories to readings."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Sequence
+from typing import Any, NamedTuple, Sequence
 
-from .cdr import CdrCursor, NS_PER_S, StampedReader
+import numpy as np
+from numpy.typing import NDArray
+
+from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
 from .readings import JointReading, TrajectoryReading
 from ..exceptions import MessageError
 
@@ -24,12 +27,8 @@ class SeveralJointsDecoder:
         """
         Read one message.
 
-        Returns
-        -------
-        stamp_ns, positions, velocities : int, tuple of float, tuple of float
-            Stamp [ns], positions [m] and velocities [m/s] in the order of the joints, NaN for
-            velocities that the message does not have.
-
+        Returns stamp_ns, positions, velocities: stamp [ns], positions [m] and velocities [m/s] in
+        the order of the joints, NaN for velocities that the message does not have
         """
         values = self._reader.read(raw)
         return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]
@@ -38,12 +37,8 @@ class SeveralJointsDecoder:
         """
         Read many messages at once.
 
-        Returns
-        -------
-        stamps_ns, positions, velocities : ndarray, tuple of ndarray, tuple of ndarray, or None
-            As of `decode`, one array of shape (N,) a joint; None where they must be read one by
-            one.
-
+        Returns stamps_ns, positions, velocities: as of `decode`, one array of shape (N,) a joint;
+        None where they must be read one by one
         """
         columns = self._reader.read_many(raws)
         return None if columns is None else (columns[1], columns[2::2], columns[3::2])
@@ -100,7 +95,6 @@ def _trajectory_offsets(joint: str, cursor: CdrCursor) -> list[int | None]:
 
     A point is positions[], velocities[], accelerations[], effort[], time_from_start (int32 and
     uint32).
-
     """
     names = cursor.texts()
     points = []
@@ -147,3 +141,77 @@ def _joint_place(joint: str, names: Sequence[str], positions: int) -> int:
 def _listed(names: Sequence[str]) -> str:
     """Write joint names for an error text."""
     return ', '.join(repr(name) for name in names) or 'no joint names'
+
+
+Array = NDArray[np.float64]
+
+
+class ArmReading(NamedTuple):
+    """One message of sensor_msgs/msg/JointState."""
+
+    stamp_ns: int  # of its header
+    names: tuple[str, ...]  # the joints
+    # position, velocity, effort: as published: empty where the publisher leaves them out
+    position: Array
+    velocity: Array
+    effort: Array
+
+
+def decode_arm(raw: bytes) -> ArmReading:
+    """Read sensor_msgs/msg/JointState with all joints."""
+    try:
+        cursor = CdrCursor(raw)
+        order = cursor.byte_order
+        sec, nanosec = (int(np.frombuffer(raw, order + kind, 1, cursor.skip(4, 4))[0])
+                        for kind in ('i4', 'u4'))
+        cursor.text()  # frame
+        names = tuple(cursor.texts())
+        arrays = []
+        for _ in range(3):
+            places = cursor.doubles()
+            arrays.append(np.frombuffer(raw, order + 'f8', len(places), places.start)
+                          if len(places) else np.zeros(0))
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, 'sensor_msgs/msg/JointState', error) from error
+    return ArmReading(sec * NS_PER_S + nanosec, names, *arrays)
+
+
+class SomeJointsDecoder:
+    """Read those of several joints that a sensor_msgs/msg/JointState has."""
+
+    def __init__(self, joints: Sequence[str]) -> None:
+        offsets_of = partial(_present_joint_offsets, joints)
+        self._reader = StampedReader('sensor_msgs/msg/JointState', offsets_of)
+
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
+        """
+        Read one message.
+
+        Returns stamp_ns, positions, velocities: stamp [ns], positions [rad] or [m] and velocities
+        in the order of the joints, NaN for what the message does not have
+        """
+        values = self._reader.read(raw)
+        return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]
+
+
+def _present_joint_offsets(joints: Sequence[str], cursor: CdrCursor) -> list[int | None]:
+    """Find position and velocity of the joints that a message has."""
+    names = cursor.texts()
+    position, velocity = cursor.doubles(), cursor.doubles()
+    cursor.doubles()  # effort
+    cursor.finish()
+    places = {name: place for place, name in enumerate(names)}
+    if places.keys().isdisjoint(joints):
+        raise MessageError(
+            'joint_unknown',
+            f'none of the joints {", ".join(joints)} is in the message, which has '
+            f'{", ".join(names) or "no joint names"}; check kinematics.base, kinematics.tip and '
+            'the topic',
+        )
+    offsets: list[int | None] = []
+    for joint in joints:
+        place = places.get(joint, len(position))
+        for values in (position, velocity):
+            offsets.append(values[place] if place < len(values) else None)
+    return offsets

@@ -16,69 +16,33 @@ from typing import Callable, NamedTuple
 
 
 class WrenchReading(NamedTuple):
-    """
-    One force measurement.
+    """One force measurement."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    frame_id : str
-        Frame in which the force is expressed.
-    force_x, force_y, force_z : float
-        Force [N].
-
-    """
-
-    stamp_ns: int
-    frame_id: str
+    stamp_ns: int  # header stamp [ns]
+    frame_id: str  # frame in which the force is expressed
+    # force_x, force_y, force_z: force [N]
     force_x: float
     force_y: float
     force_z: float
 
 
 class JointReading(NamedTuple):
-    """
-    Position and velocity of one joint.
+    """Position and velocity of one joint."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    position : float
-        Position [m].
-    velocity : float
-        Velocity [m/s], NaN where the message has none.
-
-    """
-
-    stamp_ns: int
-    position: float
-    velocity: float
+    stamp_ns: int  # header stamp [ns]
+    position: float  # position [m]
+    velocity: float  # velocity [m/s], NaN where the message has none
 
 
 class TrajectoryReading(NamedTuple):
-    """
-    First point of a trajectory for one joint.
+    """First point of a trajectory for one joint."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    position : float
-        Position [m].
-    velocity, acceleration : float
-        Its derivatives [m/s], [m/s^2], NaN where the message has none.
-    effort : float
-        Force F_r [N], NaN where the message has none.
-
-    """
-
-    stamp_ns: int
-    position: float
+    stamp_ns: int  # header stamp [ns]
+    position: float  # position [m]
+    # velocity, acceleration: its derivatives [m/s], [m/s^2], NaN where the message has none
     velocity: float
     acceleration: float
-    effort: float
+    effort: float  # force F_r [N], NaN where the message has none
 
 
 FORCE_OF_AXIS: dict[str, Callable[[WrenchReading], float]] = {

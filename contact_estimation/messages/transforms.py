@@ -16,23 +16,13 @@ _MOST_LAYOUTS = 64  # every publisher of tf may send several selections of frame
 
 
 class StampedTransform(NamedTuple):
-    """
-    Pose of a frame in its parent frame at one instant.
+    """Pose of a frame in its parent frame at one instant."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp [ns].
-    parent, child : str
-        Names of the frames, without leading slash.
-    pose : tuple of float
-        Origin x, y, z of the child in the parent [m], quaternion x, y, z, w of its axes.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # header stamp [ns]
+    # parent, child: names of the frames, without leading slash
     parent: str
     child: str
+    # origin x, y, z of the child in the parent [m], quaternion x, y, z, w of its axes
     pose: tuple[float, ...]
 
 
@@ -64,7 +54,6 @@ class _Layout:
 
     A message is transforms[]: header (stamp, frame_id), child_frame_id, translation (x, y, z),
     rotation (x, y, z, w).
-
     """
 
     def __init__(self, raw: bytes) -> None:

@@ -12,15 +12,7 @@ from .readings import WrenchReading
 
 
 class WrenchDecoder:
-    """
-    Read geometry_msgs/msg/WrenchStamped.
-
-    Attributes
-    ----------
-    frame_id : str
-        Frame of the message read last.
-
-    """
+    """Read geometry_msgs/msg/WrenchStamped."""
 
     def __init__(self) -> None:
         self.frame_id = ''
@@ -35,11 +27,8 @@ class WrenchDecoder:
         """
         Read many messages of one frame at once.
 
-        Returns
-        -------
-        stamps_ns, x, y, z : ndarray, shape (N,), or None
-            Stamps [ns] and forces [N]; None where they must be read one by one.
-
+        Returns stamps_ns, x, y, z (N,): stamps [ns] and forces [N]; None where they must be read
+        one by one
         """
         columns = self._reader.read_many(raws)
         if columns is None:
@@ -49,15 +38,7 @@ class WrenchDecoder:
 
 
 class ForceTorqueDecoder:
-    """
-    Read force and torque of geometry_msgs/msg/WrenchStamped.
-
-    Attributes
-    ----------
-    frame_id : str
-        Frame of the message read last.
-
-    """
+    """Read force and torque of geometry_msgs/msg/WrenchStamped."""
 
     def __init__(self) -> None:
         self.frame_id = ''
@@ -67,11 +48,7 @@ class ForceTorqueDecoder:
         """
         Read one message.
 
-        Returns
-        -------
-        stamp_ns, wrench : int, tuple of float
-            Stamp [ns]; force [N] and torque [N m] along x, y and z.
-
+        Returns stamp_ns, wrench: stamp [ns]; force [N] and torque [N m] along x, y and z
         """
         sec, nanosec, self.frame_id, *wrench = self._reader.read(raw)
         return sec * NS_PER_S + nanosec, tuple(wrench)
@@ -87,11 +64,7 @@ class Vector3StampedDecoder:
         """
         Read one message.
 
-        Returns
-        -------
-        stamp_ns, x, y, z : int, float, float, float
-            Stamp [ns] and vector.
-
+        Returns stamp_ns, x, y, z: stamp [ns] and vector
         """
         sec, nanosec, _, x, y, z = self._reader.read(raw)
         return sec * NS_PER_S + nanosec, x, y, z

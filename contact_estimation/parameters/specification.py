@@ -8,10 +8,36 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import re
 from typing import Any, Iterator, Sequence
 
-from .value_text import number_text, Value, value_text
 from ..exceptions import ParameterRangeError, UnknownNameError
+
+
+Value = bool | int | float | str | tuple[float, ...]
+
+_LARGE = 1e6  # from here on zeros are tedious to count
+
+
+def number_text(number: float) -> str:
+    """Return a number to six digits, its exponent as people write it: 1e6, not 1e+06."""
+    return re.sub(r'e([+-])0*', lambda found: 'e' + found[1].strip('+'), f'{number:g}')
+
+
+def value_text(value: Value) -> str:
+    """Return the value of a parameter: true, [0.0, 0.0, 0.0], 1e10, NaN."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return '[' + ', '.join(value_text(element) for element in value) + ']'
+    if isinstance(value, float):
+        if math.isnan(value):
+            return 'NaN'
+        short = number_text(value)
+        if (abs(value) >= _LARGE or 'e' in repr(value)) and float(short) == value:
+            return short
+    return repr(value)
+
 
 LARGEST = 1e15
 """Of any parameter in SI units: products of a few of them must not overflow."""
@@ -21,39 +47,20 @@ _LARGEST_OF_EFFECT = 1e150  # K_n of a cubic law in micrometres is beyond 1e15 N
 
 @dataclasses.dataclass(frozen=True)
 class ParameterSpecification:
-    """
-    Declaration of one parameter.
+    """Declaration of one parameter."""
 
-    Attributes
-    ----------
-    name : str
-        Dotted name, such as 'conditioning.cutoff_frequency'.
-    default : bool, int, float, str or tuple of float
-        Value without configuration; its type is the parameter's type: a tuple is a vector.
-    description : str
-        Meaning, and the consequence of changing it.
-    unit : str
-        SI unit, '' or '1' where there is none.
-    minimum, maximum : float or None
-        Inclusive range, of each element of a vector.
-    choices : tuple of str
-        Valid values of a string parameter; empty where any string is valid.
-    read_only : bool
-        Whether the parameter is fixed at start.
-    nan_is_off : bool
-        Whether NaN is valid and switches the feature off.
-
-    """
-
-    name: str
+    name: str  # dotted name, such as 'conditioning.cutoff_frequency'
+    # value without configuration; its type is the parameter's type: a tuple is a vector
     default: Value
-    description: str
-    unit: str = ''
+    description: str  # meaning, and the consequence of changing it
+    unit: str = ''  # SI unit, '' or '1' where there is none
+    # minimum, maximum: inclusive range, of each element of a vector
     minimum: float | None = None
     maximum: float | None = None
+    # valid values of a string parameter; empty where any string is valid
     choices: tuple[str, ...] = ()
-    read_only: bool = False
-    nan_is_off: bool = False
+    read_only: bool = False  # whether the parameter is fixed at start
+    nan_is_off: bool = False  # whether NaN is valid and switches the feature off
 
     @property
     def valid_range(self) -> str:
@@ -83,23 +90,7 @@ class ParameterSpecification:
         """
         Return the value converted to the parameter's type, or raise if it is not valid.
 
-        Parameters
-        ----------
-        value : any
-            Value received; integers are accepted for floats, and any sequence for a vector.
-
-        Returns
-        -------
-        value : bool, int, float, str or tuple of float
-            Has the type of the default.
-
-        Raises
-        ------
-        UnknownNameError
-            If a string is not among the choices.
-        ParameterRangeError
-            If the type is wrong or the value is out of range.
-
+        value: value received; integers are accepted for floats, and any sequence for a vector
         """
         if isinstance(self.default, tuple):
             return self._checked_vector(value)
@@ -167,16 +158,7 @@ def parameter(
     """
     Declare one parameter as a dataclass field.
 
-    Parameters
-    ----------
-    default, description, unit, minimum, maximum, choices, read_only, nan_is_off
-        As in `ParameterSpecification`.
-
-    Returns
-    -------
-    field : dataclasses.Field
-        To be assigned in the body of a `ParameterGroup`.
-
+    Returns field: to be assigned in the body of a `ParameterGroup`
     """
     facts = {
         'description': description,
@@ -196,16 +178,7 @@ def optional_parameter(
     """
     Declare a number that is NaN by default, which switches its feature off.
 
-    Parameters
-    ----------
-    description, unit, minimum, maximum
-        As in `ParameterSpecification`.
-
-    Returns
-    -------
-    field : dataclasses.Field
-        To be assigned in the body of a `ParameterGroup`.
-
+    Returns field: to be assigned in the body of a `ParameterGroup`
     """
     return parameter(math.nan, description, unit, minimum, maximum, nan_is_off=True)
 
@@ -214,18 +187,9 @@ def group(cls: type[ParameterGroup], description: str = '') -> Any:
     """
     Declare a nested group of parameters as a dataclass field.
 
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Class of the group; its defaults are the default of the field.
-    description : str
-        What the group is for, where its name does not say so.
-
-    Returns
-    -------
-    field : dataclasses.Field
-        To be assigned in the body of a `ParameterGroup`.
-
+    cls: class of the group; its defaults are the default of the field
+    description: what the group is for, where its name does not say so
+    Returns field: to be assigned in the body of a `ParameterGroup`
     """
     return dataclasses.field(
         default_factory=cls, metadata={'group': cls, 'description': description})
@@ -243,22 +207,7 @@ class ParameterGroup:
 
 
 def of_valid(cls: type[ParameterGroup], values: Sequence[float]) -> ParameterGroup:
-    """
-    Construct a group without checks, for a search that keeps to the ranges.
-
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Its class, without nested groups.
-    values : sequence of float
-        In the order of its parameters.
-
-    Returns
-    -------
-    group : ParameterGroup
-        Equal to one that was checked.
-
-    """
+    """Construct a group without checks, for a search that keeps to the ranges."""
     made = object.__new__(cls)
     made.__dict__.update(zip(cls.__dataclass_fields__, values))
     return made
@@ -272,22 +221,7 @@ def _own_specifications(cls: type[ParameterGroup]) -> tuple[ParameterSpecificati
 
 
 def specification(field: dataclasses.Field[Any], name: str) -> ParameterSpecification:
-    """
-    Return the specification declared by a dataclass field.
-
-    Parameters
-    ----------
-    field : dataclasses.Field
-        Result of `parameter`.
-    name : str
-        Full dotted name.
-
-    Returns
-    -------
-    specification : ParameterSpecification
-        Declaration of the parameter.
-
-    """
+    """Return the specification declared by a dataclass field."""
     return ParameterSpecification(name, field.default, **field.metadata)  # type: ignore[arg-type]
 
 
@@ -297,18 +231,7 @@ def specifications(
     """
     Iterate over all parameters of a group and of its nested groups.
 
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Outermost group.
-    prefix : str
-        Prefix of all names, including its dot.
-
-    Yields
-    ------
-    specification : ParameterSpecification
-        In the order of declaration.
-
+    prefix: prefix of all names, including its dot
     """
     for field in dataclasses.fields(cls):
         name = prefix + field.name

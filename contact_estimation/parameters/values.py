@@ -8,8 +8,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Mapping, TypeVar
 
-from .specification import ParameterGroup, specifications
-from .value_text import Value
+from .specification import ParameterGroup, specifications, Value
 from ..exceptions import ParameterReadOnlyError, UnknownNameError
 
 Group = TypeVar('Group', bound=ParameterGroup)
@@ -19,18 +18,8 @@ def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
     """
     Return the values of a group by their dotted names.
 
-    Parameters
-    ----------
-    values : ParameterGroup
-        Group of parameters.
-    prefix : str
-        Prefix of all names, including its dot.
-
-    Returns
-    -------
-    flat : dict
-        Dotted name to value, in the order of declaration.
-
+    prefix: prefix of all names, including its dot
+    Returns flat: dotted name to value, in the order of declaration
     """
     flat: dict[str, Value] = {}
     for field in dataclasses.fields(values):
@@ -46,18 +35,8 @@ def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, An
     """
     Flatten nested mappings, as read from YAML, to dotted names.
 
-    Parameters
-    ----------
-    nested : mapping
-        Names to values or to nested mappings.
-    prefix : str
-        Prefix of all names, including its dot.
-
-    Returns
-    -------
-    flat : dict
-        Dotted name to value.
-
+    nested: names to values or to nested mappings
+    prefix: prefix of all names, including its dot
     """
     flat: dict[str, Any] = {}
     for key, value in nested.items():
@@ -69,29 +48,7 @@ def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, An
 
 
 def build(cls: type[Group], flat: Mapping[str, Any]) -> Group:
-    """
-    Build a group from dotted names; missing parameters take their default.
-
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Class of the group.
-    flat : mapping
-        Dotted name to value.
-
-    Returns
-    -------
-    values : ParameterGroup
-        An instance of `cls`.
-
-    Raises
-    ------
-    UnknownNameError
-        If a name is no parameter of the group; the text suggests the nearest.
-    ParameterRangeError
-        If a value is out of range.
-
-    """
+    """Build a group from dotted names; missing parameters take their default."""
     known = {spec.name: spec for spec in specifications(cls)}
     for name in flat:
         if name not in known:
@@ -111,29 +68,7 @@ def _build(cls: type[Group], flat: Mapping[str, Any], prefix: str) -> Group:
 
 
 def changed(values: Group, changes: Mapping[str, Any]) -> Group:
-    """
-    Return the group with some values changed.
-
-    Parameters
-    ----------
-    values : ParameterGroup
-        Present values.
-    changes : mapping
-        Dotted name to new value.
-
-    Returns
-    -------
-    values : ParameterGroup
-        New group.
-
-    Raises
-    ------
-    ParameterReadOnlyError
-        If a parameter that is fixed at start differs.
-    UnknownNameError, ParameterRangeError
-        As `build`.
-
-    """
+    """Return the group with some values changed."""
     flat = flatten(values)
     for spec in specifications(type(values)):
         if not spec.read_only or spec.name not in changes:
@@ -150,18 +85,8 @@ def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, A
     """
     Return values without those of a group.
 
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Group of parameters.
-    values : mapping
-        Dotted name to value, of several groups.
-
-    Returns
-    -------
-    rest : dict
-        Values that belong to other groups, or to none.
-
+    values: dotted name to value, of several groups
+    Returns rest: values that belong to other groups, or to none
     """
     own = {spec.name for spec in specifications(cls)}
     return {name: value for name, value in values.items() if name not in own}
@@ -173,18 +98,8 @@ def divided(
     """
     Split values into those of other groups and those of one group.
 
-    Parameters
-    ----------
-    cls : type of ParameterGroup
-        Group of parameters.
-    values : mapping
-        Dotted name to value, of several groups.
-
-    Returns
-    -------
-    others, own : dict
-        Values that do not belong to the group, and values that do.
-
+    values: dotted name to value, of several groups
+    Returns others, own: values that do not belong to the group, and values that do
     """
     others = without(cls, values)
     return others, {name: value for name, value in values.items() if name not in others}

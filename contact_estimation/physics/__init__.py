@@ -135,13 +135,8 @@ def effects_that_are_on(
     """
     Return the effects whose parameters are given.
 
-    Parameters
-    ----------
-    physics : PhysicsParameters
-        Parameters of all effects; NaN means off.
-    sign_velocity : float
-        Width of the smooth sign of a velocity [m/s].
-
+    physics: parameters of all effects; NaN means off
+    sign_velocity: width of the smooth sign of a velocity [m/s]
     """
     made = (cls.when_on(getattr(physics, name)) for name, cls in EFFECTS.items())
     effects = [effect for effect in made if effect is not None]

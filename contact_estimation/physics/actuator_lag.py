@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .drawn_effect import Scales
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _SLOWEST_S = 0.1  # of a force or torque loop
@@ -27,7 +27,6 @@ class ActuatorLag(RobotEffect):
     M_t xdd = f + F_e, tau f' + f = u.
 
     Eppinger and Seering, Proc. IEEE Conf. Robotics and Automation, 1987: actuator dynamics.
-
     """
 
     name = 'actuator_lag'

@@ -10,10 +10,9 @@ from typing import Any
 
 from numpy.random import Generator
 
+from .drawn_effect import Scales, Strength
 from .numeric import Number, positive
-from .random_strength import Strength
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Number
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _PASSIVE = 1.1  # times B_e
@@ -31,7 +31,6 @@ class AsymmetricDamping(ContactEffect):
     A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
     2007); colliding structures damp their approach (Jankowski 2005). No direction is driven:
     |B_a| <= B_e.
-
     """
 
     name = 'asymmetric_damping'

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Array, Flags, Number, positive
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 POSITION_TOLERANCE = 2e-5
@@ -27,18 +27,9 @@ def played(steps: Array, half: float) -> Array:
     Two such maps in a row are one, min(high, max(low, z + shift)): all sums of 2, 4, 8 ... steps
     follow from one another (Hillis and Steele 1986).
 
-    Parameters
-    ----------
-    steps : ndarray, shape (N,)
-        From z = 0.
-    half : float
-        Distance of the ends from 0, >= 0.
-
-    Returns
-    -------
-    z : ndarray, shape (N,)
-        After each step.
-
+    steps (N,): from z = 0
+    half: distance of the ends from 0, >= 0
+    Returns z (N,): after each step
     """
     shift, low, high = steps.copy(), np.full(len(steps), -half), np.full(len(steps), half)
     reach = 1

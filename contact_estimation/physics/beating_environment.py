@@ -13,10 +13,9 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import log_uniform, Scales, Strength
 from .moving_environment import MovingEnvironment, MovingEnvironmentParameters, oscillation
 from .numeric import Number
-from .random_strength import log_uniform, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _PERIODS = 3.0  # fewest of the slower tone
@@ -40,7 +39,6 @@ class BeatingEnvironment(ContactEffect):
 
     Den Hartog, Mechanical Vibrations, 1956 (coupled oscillators); a breathing patient: Lujan,
     Larsen, Balter and Ten Haken, Medical Physics 26(5), 1999.
-
     """
 
     name = 'beating_environment'

@@ -14,10 +14,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
-from .numeric import Array, Flags, Number, stretches
-from .random_strength import log_uniform, Strength
-from .reversals import Motion, motion_of, path_of
-from .scales import Scales
+from .drawn_effect import log_uniform, Scales, Strength
+from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth

@@ -23,8 +23,7 @@ from typing import Any, Sequence
 from .effect import Effect
 from .force_sensor_effect import ForceSensorEffect
 from .known_wall import KnownWall, Memory, Motion, NOT_FINITE, WAITING, WallTerms
-from ..signals.compensated_sample import CompensatedSample
-from ..signals.contact_sample import ContactSample
+from ..signals.contact_sample import CompensatedSample, ContactSample
 
 _CLIPPED = 4.0  # standard deviations below the range of a sensor, beyond which it may clip
 _REGULAR = 0.5, 1.5  # sample periods between samples over which motion is differentiated
@@ -44,17 +43,9 @@ class Compensation:
     B_hat is 0. Effects of the robot have no influence. Effects of the sensor act from the first
     sample on, those of the wall as soon as its surface is known.
 
-    Parameters
-    ----------
-    effects : sequence of Effect
-        Known effects.
-    initial_stiffness : float
-        First guess of K_e [N/m].
-    force_noise : float
-        Standard deviation of the force noise [N].
-    sample_rate : float
-        Nominal [Hz], until the stamps have shown theirs.
-
+    initial_stiffness: first guess of K_e [N/m]
+    force_noise: standard deviation of the force noise [N]
+    sample_rate: nominal [Hz], until the stamps have shown theirs
     """
 
     def __init__(
@@ -99,15 +90,8 @@ class Compensation:
         """
         Process one sample.
 
-        Parameters
-        ----------
-        sample : ContactSample
-            Stamped after the last one.
-        location : float
-            x_e nominal [m]; NaN: not known yet.
-        pressing : float
-            -F_e less the tare [N].
-
+        location: x_e nominal [m]; NaN: not known yet
+        pressing: -F_e less the tare [N]
         """
         now, regular = self._motion(sample)
         terms = self._wall.take(now, location)
@@ -175,7 +159,6 @@ class Compensation:
 
         The average matches a central difference over the same samples, which is neither delayed
         against it nor as noisy as an acceleration at the newest sample.
-
         """
         first, middle, last = (terms[k] for k in (0, len(terms) // 2, -1))
         forces = self._forces

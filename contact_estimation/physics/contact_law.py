@@ -22,23 +22,11 @@ _KEPT = KeptMotion()
 
 
 class Touch(NamedTuple):
-    """
-    Contact state and forces without inertia.
+    """Contact state and forces without inertia."""
 
-    Attributes
-    ----------
-    contact : bool or ndarray of bool
-        Whether the surface is reached and a force can be transmitted.
-    resistance : float or ndarray
-        Sum of spring, damper and resistances [N].
-    free_force : float or ndarray
-        F_e out of contact [N].
-
-    """
-
-    contact: Any
-    resistance: Any
-    free_force: Any
+    contact: Any  # whether the surface is reached and a force can be transmitted
+    resistance: Any  # sum of spring, damper and resistances [N]
+    free_force: Any  # F_e out of contact [N]
 
 
 class ContactLaw:
@@ -48,15 +36,7 @@ class ContactLaw:
     F_e = min(pull, -(resistance + inertia a)) in contact, else the free force; pull is 0 without
     adhesion.
 
-    Parameters
-    ----------
-    stiffness, damping, location, inertia : float
-        K_e [N/m], B_e [N s/m], x_e [m], M_e [kg].
-    unilateral : bool
-        Whether contact can be lost.
-    effects : sequence of Effect
-        Effects of other ports are ignored.
-
+    stiffness, damping, location, inertia: K_e [N/m], B_e [N s/m], x_e [m], M_e [kg]
     """
 
     def __init__(
@@ -93,22 +73,8 @@ class ContactLaw:
         """
         Return the penetration at the wall.
 
-        Parameters
-        ----------
-        t, x, v : float or ndarray, shape (N,)
-            Time [s], position [m] and velocity [m/s] of the end-effector.
-        states : tuple of float, or StatesAlong
-            Internal states of all effects.
-        m : module
-            `math` or `numpy`.
-
-        Returns
-        -------
-        d, v : float or ndarray, shape (N,)
-            Penetration [m] and its rate [m/s].
-        engaged : bool or ndarray of bool
-            Whether a force can be transmitted.
-
+        t, x, v (N,): time [s], position [m] and velocity [m/s] of the end-effector
+        Returns d, v (N,): penetration [m] and its rate [m/s]
         """
         d, engaged = x - self._x_e, True
         for effect, place in self._surfaces:
@@ -126,15 +92,7 @@ class ContactLaw:
         return d
 
     def touch(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Touch:
-        """
-        Evaluate the law without inertia; parameters as `penetration`.
-
-        Returns
-        -------
-        touch : Touch
-            Contact state and forces.
-
-        """
+        """Evaluate the law without inertia; parameters as `penetration`."""
         if self._is_plain and not self._tails:
             d = x - self._x_e
             contact = d > 0.0 if self.unilateral else True
@@ -209,16 +167,7 @@ class ContactLaw:
         """
         Integrate all internal states along a recorded motion.
 
-        Parameters
-        ----------
-        t, x, v : ndarray, shape (N,)
-            Time [s], evenly spaced, position [m] and velocity [m/s].
-
-        Returns
-        -------
-        motion : WallMotion
-            States and penetration.
-
+        t, x, v (N,): time [s], evenly spaced, position [m] and velocity [m/s]
         """
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
         if not moving:
@@ -254,18 +203,9 @@ class ContactLaw:
         """
         Predict F_e from a recorded motion.
 
-        Parameters
-        ----------
-        t, x, v, a : ndarray, shape (N,)
-            Time [s], evenly spaced, position [m] and its derivatives [m/s], [m/s^2].
-
-        Returns
-        -------
-        F_e : ndarray, shape (N,)
-            Force on the end-effector [N].
-        d : ndarray, shape (N,)
-            Penetration [m].
-
+        t, x, v, a (N,): time [s], evenly spaced, position [m] and its derivatives [m/s], [m/s^2]
+        Returns F_e (N,): force on the end-effector [N]
+        Returns d (N,): penetration [m]
         """
         states, d, rate, engaged = self.motion_along(t, x, v)
         touch = self._touch(t, d, rate, engaged, states, np)
@@ -283,11 +223,7 @@ class ContactLaw:
         """
         Return where the surface is reached; parameters as `force_and_depth`.
 
-        Returns
-        -------
-        contact : ndarray of bool, shape (N,)
-            d > 0.
-
+        Returns contact (N,): d > 0
         """
         return np.asarray(self.motion_along(t, x, v).d > 0.0)
 

@@ -11,9 +11,8 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength
 from .numeric import Number
-from .random_strength import Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -11,9 +11,8 @@ from typing import Any
 from numpy.random import Generator
 
 from .adhesion import Adhesion, AdhesionParameters
+from .drawn_effect import Scales, Strength
 from .numeric import Number
-from .random_strength import Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter
 
 
@@ -31,7 +30,6 @@ class DmtAdhesion(Adhesion):
 
     Derjaguin, Muller and Toporov, J. Colloid and Interface Science 53, 1975: attraction adds to
     the elastic force without changing it. The liquid neck between wet surfaces pulls alike.
-
     """
 
     name = 'dmt_adhesion'

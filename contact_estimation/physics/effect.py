@@ -121,21 +121,7 @@ class Effect(DrawnEffect):
         """
         Make the effect if its parameters are given.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-
-        Returns
-        -------
-        effect : Effect or None
-            None where all parameters are NaN.
-
-        Raises
-        ------
-        ParameterRangeError
-            If only some of the parameters are given.
-
+        Returns effect: None where all parameters are NaN
         """
         names = [field.name for field in fields(values)]
         missing = [name for name in names if isnan(getattr(values, name))]
@@ -153,16 +139,7 @@ class Effect(DrawnEffect):
         """
         Return whether values, each within its range, are physically possible together.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-
-        Returns
-        -------
-        plausible : bool
-            For example False for a Stribeck friction that rises with speed.
-
+        Returns plausible: for example False for a Stribeck friction that rises with speed
         """
         return True
 
@@ -171,18 +148,8 @@ class Effect(DrawnEffect):
         """
         Return whether the effect drives the motion beside a spring and a damper.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-        stiffness, damping : float
-            K_e [N/m] and B_e [N s/m] of the wall.
-
-        Returns
-        -------
-        drives : bool
-            If so, the values are not plausible together.
-
+        stiffness, damping: K_e [N/m] and B_e [N s/m] of the wall
+        Returns drives: if so, the values are not plausible together
         """
         return False
 
@@ -191,16 +158,7 @@ class Effect(DrawnEffect):
         """
         Return whether the effect changes nothing.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-
-        Returns
-        -------
-        vanishes : bool
-            All parameters in which the law is linear have their neutral value.
-
+        Returns vanishes: all parameters in which the law is linear have their neutral value
         """
         return all(getattr(values, name) == cls.neutral.get(name, 0.0) for name in cls.linear())
 
@@ -214,16 +172,7 @@ class Effect(DrawnEffect):
         """
         Return what the wall's values must be multiplied by for the measured force to stay.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-
-        Returns
-        -------
-        scale : float
-            1 unless `rescales_wall`.
-
+        Returns scale: 1 unless `rescales_wall`
         """
         return 1.0
 
@@ -232,18 +181,8 @@ class Effect(DrawnEffect):
         """
         Return whether the effect is a curve that fits almost any misfit of its kind.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-        duration : float
-            Of the recording [s].
-
-        Returns
-        -------
-        flexible : bool
-            If so, more is asked of it than of a law.
-
+        duration: of the recording [s]
+        Returns flexible: if so, more is asked of it than of a law
         """
         return False
 
@@ -252,16 +191,7 @@ class Effect(DrawnEffect):
         """
         Return where the law bends sharply.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-
-        Returns
-        -------
-        bends : tuple of float
-            Penetrations that the motion has to pass for the effect to show [m].
-
+        Returns bends: penetrations that the motion has to pass for the effect to show [m]
         """
         return ()
 
@@ -270,18 +200,8 @@ class Effect(DrawnEffect):
         """
         Return whether the effect is more than a calibration usually leaves.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-        force : float
-            Largest measured [N].
-
-        Returns
-        -------
-        exceeds : bool
-            If not, the effect is not named with these values.
-
+        force: largest measured [N]
+        Returns exceeds: if not, the effect is not named with these values
         """
         return True
 
@@ -295,17 +215,7 @@ class Effect(DrawnEffect):
         """
         Return whether a recording is long enough to tell the parameters apart.
 
-        Parameters
-        ----------
-        values : ParameterGroup
-            An instance of `Parameters`.
-        duration : float
-            Of the recording [s].
-
-        Returns
-        -------
-        resolved : bool
-            If not, the effect is not named with these values.
-
+        duration: of the recording [s]
+        Returns resolved: if not, the effect is not named with these values
         """
         return True

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .contact_effect import ContactEffect
-from .scales import Scales
+from .drawn_effect import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -13,11 +13,9 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import log_uniform, Scales, Strength
 from .moving_environment import MANY_PERIODS
-from .numeric import Array, Flags, Number
-from .random_strength import log_uniform, Strength
-from .scales import Scales
-from .second_order import discretise
+from .numeric import Array, discretise, Flags, Number
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
@@ -41,7 +39,6 @@ class EnvironmentResonance(ContactEffect):
 
     Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
     so that a wall at rest has none at any depth.
-
     """
 
     name = 'environment_resonance'

@@ -12,9 +12,8 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength
 from .numeric import Number, positive
-from .random_strength import Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth

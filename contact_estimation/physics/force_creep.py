@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from .drawn_effect import log_uniform, Scales, Strength
 from .force_lag import ForceLag, ForceLagParameters
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
-from .random_strength import log_uniform, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
@@ -38,7 +37,6 @@ class ForceCreep(ForceSensorEffect):
 
     Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997: creep of load
     cells. One whose force decays is `ForceDecay`.
-
     """
 
     name = 'force_creep'

@@ -25,7 +25,6 @@ class ForceDecay(ForceCreep):
 
     A specimen that relaxes looks the same: it takes the end of a contact, after which the reading
     is off, or a robot that feels the true force, to tell.
-
     """
 
     name = 'force_decay'

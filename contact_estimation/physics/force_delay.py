@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from .drawn_effect import Scales
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _SLOWEST_S = 0.5  # of a force sensor

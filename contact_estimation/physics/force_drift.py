@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from .drawn_effect import Scales
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from .drawn_effect import random_sign, Scales, Strength
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
-from .random_strength import random_sign, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 CALIBRATED = 0.05
@@ -35,7 +34,6 @@ class ForceGain(ForceSensorEffect):
     K_e and B_e make up for it in the force; the motion of a robot, which feels the true force,
     tells it. It is the same as an impedance of which M_t, B_t and K_t are all 1 / gain of the
     target.
-
     """
 
     name = 'force_gain'

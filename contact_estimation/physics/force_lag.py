@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from .drawn_effect import Scales
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _SLOWEST_S = 0.2  # of a force sensor
@@ -66,16 +66,8 @@ class ForceLag(ForceSensorEffect):
         """
         Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1.
 
-        Parameters
-        ----------
-        dt : float
-            The step [s].
-
-        Returns
-        -------
-        decay, begin, end : float
-            Weights of the last y and of the forces [1].
-
+        dt: the step [s]
+        Returns decay, begin, end: weights of the last y and of the forces [1]
         """
         tau = self.values.tau
         if dt <= 0.0 or tau < 1e-3 * dt:

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from .drawn_effect import Scales
 from .force_gain import CALIBRATED
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -31,7 +31,6 @@ class ForceNonlinearity(ForceSensorEffect):
 
     An elastic law of the wall does the same to the force; the motion of a robot, which feels the
     true force, tells it. Fraden, Handbook of Modern Sensors, 2016, section 3.5.
-
     """
 
     name = 'force_nonlinearity'

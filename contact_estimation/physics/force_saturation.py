@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
+from .drawn_effect import Scales, Strength
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
-from .random_strength import Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

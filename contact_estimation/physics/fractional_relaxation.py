@@ -15,9 +15,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength
 from .numeric import Array, Flags, Number
-from .random_strength import Strength
-from .scales import Scales
 from .viscoelastic_relaxation import REPELS
 from ..parameters.specification import optional_parameter, ParameterGroup
 
@@ -29,19 +28,10 @@ _LEAST, _MOST = 0.02, 0.98  # alpha of what is no spring and no damper yet
 
 
 class _Weights(NamedTuple):
-    """
-    D^alpha as springs and a damper.
+    """D^alpha as springs and a damper."""
 
-    Attributes
-    ----------
-    damper : float
-        Of all branches that are faster than _TIMES [s^(1 - alpha)].
-    springs : tuple of float, length _BRANCHES + 1
-        One that never relaxes for all slower branches, then those of _TIMES [s^-alpha].
-
-    """
-
-    damper: float
+    damper: float  # of all branches that are faster than _TIMES [s^(1 - alpha)]
+    # one that never relaxes for all slower branches, then those of _TIMES [s^-alpha]
     springs: tuple[float, ...]
 
 
@@ -53,7 +43,6 @@ def _weights(alpha: float) -> _Weights:
     t^-alpha / Gamma(1 - alpha) = sin(pi alpha) / pi times the integral of q^alpha exp(-q t) over
     ln q. The trapezoidal rule is correct to 1e-4 for branches 0.4 decades apart, as is the whole
     between 1e-3 s and 1e4 s; what lies beyond the branches is a geometric series.
-
     """
     unit = sin(pi * alpha) / pi * _SPACING
     slower = unit * _TIMES[-1] ** -alpha / expm1(alpha * _SPACING)
@@ -71,19 +60,11 @@ def _shares(elapsed: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 class _Blocks(NamedTuple):
-    """
-    The branches over a block of samples; each is `entered` by moves and by bends of the motion.
+    """The branches over a block of samples, entered by moves and by bends of the motion."""
 
-    Attributes
-    ----------
-    powers : ndarray, shape (_BLOCK + 1, branches)
-        What remains of a branch after 0 to _BLOCK samples.
-    entered : ndarray, shape (2, branches)
-        What a branch takes of the move to a sample [m], and of its change of rate [m/s].
-
-    """
-
-    powers: Array
+    powers: Array  # (_BLOCK + 1, branches) what remains of a branch after 0 to _BLOCK samples
+    # (2, branches) what a branch takes of the move to a sample [m], and of its change of rate
+    # [m/s]
     entered: Array
 
     @classmethod
@@ -143,7 +124,6 @@ class FractionalRelaxation(ContactEffect):
     branch is in equilibrium long before the step of an integration ends, or long after it: the
     integrated states are time and displacement since the last step, with which `settle` advances
     all branches exactly along a straight line.
-
     """
 
     name = 'fractional_relaxation'
@@ -193,16 +173,7 @@ class FractionalRelaxation(ContactEffect):
         return (0.0, 0.0, *branches)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """
-        Solve the branches exactly, v straight between samples in contact.
-
-        Returns
-        -------
-        history : ndarray, shape (blocks, 2 _BLOCK + branches)
-            Moves [m], changes of rate [m/s] and the branches before each block of samples, of
-            which `resistance` makes the force: the branches at all samples would take longer.
-
-        """
+        """Solve the branches exactly, v straight between samples in contact."""
         moves, bends = np.zeros(len(t)), np.zeros(len(t))
         moves[1:] = np.diff(np.where(contact, d, 0.0))
         bends[1:] = np.where(contact[1:] & contact[:-1], np.diff(v), 0.0)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Number, positive
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -32,7 +32,6 @@ class FreePlay(ContactEffect):
     damper beside the play acts at all times; one behind it is met at either end, and holds back
     from neither. On a wall that only pushes it is a dead zone. Nordin and Gutman, Controlling
     mechanical systems with backlash: a survey, Automatica 2002, section 3.1.
-
     """
 
     name = 'free_play'

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .drawn_effect import Scales
 from .numeric import Number
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -28,7 +28,6 @@ class GravityError(RobotEffect):
     What is left of gravity where the control compensates for another mass, such as that of a
     payload it does not know (Siciliano, Sciavicco, Villani and Oriolo, Robotics, 2009, section
     8.5). At rest the robot is off by F_g / K_t.
-
     """
 
     name = 'gravity_error'

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Values
 from .numeric import Number, positive
-from .random_strength import Values
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 LARGEST_DAMPING = 300.0
@@ -30,7 +29,6 @@ class HuntCrossleyDamping(ContactEffect):
     chi d v in place of B_e v; chi d^n v together with power_law_stiffness.
 
     Hunt and Crossley (1975).
-
     """
 
     name = 'hunt_crossley_damping'

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Array, Flags, Number, positive, stretches
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _SLOWEST = 1e-4  # touch-down that the law holds for [m/s]
@@ -32,7 +32,6 @@ class ImpactDamping(ContactEffect):
 
     An impact then loses the same share of its energy at any speed: chi = 3 (1 - e^2) / 4 K_e for
     a coefficient of restitution e. Lankarani and Nikravesh, J. Mechanical Design 112(3), 1990.
-
     """
 
     name = 'impact_damping'

@@ -10,9 +10,8 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .random_strength import random_sign, Strength
+from .drawn_effect import random_sign, Scales, Strength
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _ALIKE = 0.3  # of their mean deviation from 1: less between the scales is one for all

@@ -10,10 +10,8 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .joint import Joint
-from .random_strength import log_uniform, Strength
-from .robot_effect import RobotEffect
-from .scales import Scales
+from .drawn_effect import log_uniform, Scales, Strength
+from .robot_effect import Joint, RobotEffect
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes
@@ -38,7 +36,6 @@ class JointFlexibility(RobotEffect):
 
     The measured position is x, of the motor; m = link_share M_t, c = 2 zeta sqrt(m / C).
     Spong, J. Dynamic Systems, Measurement, and Control 109(4), 1987.
-
     """
 
     name = 'joint_flexibility'

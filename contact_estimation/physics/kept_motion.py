@@ -37,24 +37,13 @@ class StatesAlong:
 
 
 class WallMotion(NamedTuple):
-    """
-    Internal states and penetration along a recorded motion.
+    """Internal states and penetration along a recorded motion."""
 
-    Attributes
-    ----------
-    states : StatesAlong
-        Of the effects.
-    d, v : ndarray, shape (N,)
-        Penetration [m] and its rate [m/s].
-    engaged : bool or ndarray of bool, shape (N,)
-        Whether a force can be transmitted.
-
-    """
-
-    states: StatesAlong
+    states: StatesAlong  # of the effects
+    # d, v (N,): penetration [m] and its rate [m/s]
     d: Array
     v: Array
-    engaged: Any
+    engaged: Any  # (N,) whether a force can be transmitted
 
 
 class KeptMotion:
@@ -63,7 +52,6 @@ class KeptMotion:
 
     Most derivatives of a fit are for parameters that neither a state nor the penetration depends
     on, such as K_e. Only a motion whose arrays are read-only is known not to have changed.
-
     """
 
     def __init__(self) -> None:
@@ -76,15 +64,8 @@ class KeptMotion:
         """
         Return the wall's motion, computed only if it is not known.
 
-        Parameters
-        ----------
-        law : hashable
-            All on which it depends beside the recorded motion.
-        x, v : ndarray, shape (N,)
-            Position [m] and velocity [m/s].
-        compute : callable
-            Returns it.
-
+        law: all on which it depends beside the recorded motion
+        x, v (N,): position [m] and velocity [m/s]
         """
         if x.flags.writeable or v.flags.writeable:
             return compute()

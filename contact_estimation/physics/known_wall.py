@@ -35,78 +35,46 @@ IN_PLAY = 'the tool moves within its play'
 
 
 class Motion(NamedTuple):
-    """
-    Motion at a sample.
+    """Motion at a sample."""
 
-    Attributes
-    ----------
-    t, dt : float
-        Time, and that since the sample before [s]; 0 at the first.
-    x, velocity, rate : float
-        Position [m], its measured rate (NaN where there is none), and one that is never NaN [m/s].
-    acceleration : float
-        Of the sample before [m/s^2]; 0 where it is not known.
-    periods : float
-        Sample periods since the sample before.
-
-    """
-
+    # t, dt: time, and that since the sample before [s]; 0 at the first
     t: float
     dt: float
+    # x, velocity, rate: position [m], its measured rate (NaN where there is none), and one that is
+    # never NaN [m/s]
     x: float
     velocity: float
     rate: float
-    acceleration: float
-    periods: float
+    acceleration: float  # of the sample before [m/s^2]; 0 where it is not known
+    periods: float  # sample periods since the sample before
 
 
 class WallTerms(NamedTuple):
-    """
-    What a wall adds to the relation of a sample.
+    """What a wall adds to the relation of a sample."""
 
-    Attributes
-    ----------
-    depth, force, inertial_force : float
-        Penetration [m], and known force without inertia, and of the inertia, [N].
-    travel, velocity, stiffness_column, constant_column : float
-        As of `CompensatedSample`.
-    hindrance : str
-        Why the relation does not hold; '' where it does.
-
-    """
-
+    # depth, force, inertial_force: penetration [m], and known force without inertia, and of the
+    # inertia, [N]
     depth: float
     force: float
     inertial_force: float
+    # travel, velocity, stiffness_column, constant_column: as of `CompensatedSample`
     travel: float
     velocity: float
     stiffness_column: float
     constant_column: float
-    hindrance: str
+    hindrance: str  # why the relation does not hold; '' where it does
 
 
 class KnownWall:
     """
     Evaluates known physics of a wall sample by sample, as the force sensor passes them on.
 
-    Parameters
-    ----------
-    effects : sequence of Effect
-        Those of other ports have no influence.
-    initial_stiffness : float
-        First guess of K_e [N/m], kept where an effect replaces K_e.
-    memory : callable or None
-        Makes a filter like the force sensor's for one signal; None: the sensor has no memory.
-
-    Attributes
-    ----------
-    acts : bool
-        Whether there are known physics of the wall.
-    inertia : float
-        M_e [kg].
-    free_force : float
-        F_e far from the wall, as of a weight [N].
-
+    effects: those of other ports have no influence
+    initial_stiffness: first guess of K_e [N/m], kept where an effect replaces K_e
+    memory: makes a filter like the force sensor's for one signal; None: the sensor has no memory
+    acts: whether there are known physics of the wall
+    inertia: M_e [kg]
+    free_force: F_e far from the wall, as of a weight [N]
     """
 
     def __init__(
@@ -137,13 +105,7 @@ class KnownWall:
         """
         Process one sample.
 
-        Parameters
-        ----------
-        now : Motion
-            Of the sample.
-        location : float
-            x_e nominal [m]; NaN: not known.
-
+        location: x_e nominal [m]; NaN: not known
         """
         if location != location:
             if self._last is not None:
@@ -173,18 +135,8 @@ class KnownWall:
         """
         Return the known force of a wall on the last samples, had it been first met at some place.
 
-        Parameters
-        ----------
-        surface : float
-            Where the wall is met, while its location is not known [m].
-        count : int
-            Number of samples.
-
-        Returns
-        -------
-        forces : list of float
-            What adds to its spring and damper [N], with that of its inertia.
-
+        surface: where the wall is met, while its location is not known [m]
+        Returns forces: what adds to its spring and damper [N], with that of its inertia
         """
         location, kept = self.nominal(surface), list(self._kept)
         terms = [self._next(moved, location) for moved in kept[-count - _APPROACH:]][-count:]
@@ -196,16 +148,8 @@ class KnownWall:
         """
         Return x_e nominal of a wall that was first met elsewhere, where an effect displaces it.
 
-        Parameters
-        ----------
-        surface : float
-            Where the wall was met while its location was not known [m].
-
-        Returns
-        -------
-        location : float
-            x_e [m].
-
+        surface: where the wall was met while its location was not known [m]
+        Returns location: x_e [m]
         """
         touched = [k for k, moved in enumerate(self._kept) if moved.x <= surface]
         if not touched:

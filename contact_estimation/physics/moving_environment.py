@@ -13,9 +13,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import log_uniform, Scales, Strength, Tone
 from .numeric import Number
-from .random_strength import log_uniform, Strength
-from .scales import Scales, Tone
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -81,18 +80,7 @@ def oscillation(tone: Tone, scales: Scales) -> tuple[float, float, float]:
     """
     Return the motion of a surface that a tone of the contact residual suggests.
 
-    Parameters
-    ----------
-    tone : (float, complex)
-        Frequency [Hz] and amplitude [N].
-    scales : Scales
-        With the stiffness of the wall.
-
-    Returns
-    -------
-    amplitude, frequency, phase : float
-        In m, Hz, rad.
-
+    tone: frequency [Hz] and amplitude [N]
     """
     frequency, peak = tone
     return abs(peak) / scales.spring, frequency, float(np.angle(1j * peak))

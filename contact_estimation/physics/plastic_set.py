@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Array, Flags, Number, positive
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -11,9 +11,8 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength
 from .numeric import Number
-from .random_strength import Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -31,7 +30,6 @@ class PolynomialStiffness(ContactEffect):
 
     The shortest series with a plateau: foam buckles (K_2 < 0), then its cells touch (K_3 > 0), see
     Gibson and Ashby, Cellular Solids, 1997.
-
     """
 
     name = 'polynomial_stiffness'

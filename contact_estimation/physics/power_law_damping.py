@@ -11,10 +11,9 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength, Values
 from .hunt_crossley_damping import LARGEST_DAMPING
 from .numeric import Number
-from .random_strength import Strength, Values
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -32,7 +31,6 @@ class PowerLawDamping(ContactEffect):
 
     m = 1/4: Tsuji, Tanaka and Ishida (1992); 1/2: Kuwabara and Kono (1987); 1: Hunt and Crossley
     (1975), which has a name of its own.
-
     """
 
     name = 'power_law_damping'

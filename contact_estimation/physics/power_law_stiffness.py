@@ -11,9 +11,8 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales, Strength, Values
 from .numeric import Number, positive
-from .random_strength import Strength, Values
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LEAST_POWER = 0.3

@@ -14,10 +14,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
-from .numeric import Array, Flags, Number, stretches
-from .random_strength import log_uniform, Strength
-from .reversals import Motion, motion_of, path_of
-from .scales import Scales
+from .drawn_effect import log_uniform, Scales, Strength
+from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -54,7 +52,6 @@ class PreslidingFriction(ContactEffect):
     The sign is sharp, because z does not jump. Over a stretch u of one direction s
     z = F_c s + (z_0 - F_c s) exp(-sigma u / F_c), however fast: the integrated state is the
     displacement since the last step, with which `settle` advances z exactly.
-
     """
 
     name = 'presliding_friction'

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .drawn_effect import Scales
 from .numeric import Number
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -27,7 +27,6 @@ class RobotDrag(RobotEffect):
 
     Fluid drag, or churning of grease and oil in its gears (Batchelor, An Introduction to Fluid
     Dynamics, 1967).
-
     """
 
     name = 'robot_drag'

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .drawn_effect import Scales
 from .numeric import Number
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -24,27 +24,12 @@ class RobotLaw:
     the reference delayed by `reference_delay`, F_r with force tracking only. With a joint the
     force drives the motor, and the joint drives the link.
 
-    Parameters
-    ----------
-    mass, damping, stiffness : float
-        M_t [kg], B_t [N s/m], K_t [N/m].
-    effects : sequence of Effect
-        Effects of other ports are ignored.
-
-    Attributes
-    ----------
-    mass : float
-        Moving mass [kg], motor and link.
-    joint : Joint or None
-        Spring between motor and link.
-    damping, stiffness : float
-        Of the impedance law [N s/m], [N/m].
-    reference_delay : float
-        Delay of the reference [s].
-    states : int
-        Number of internal states: position [m] and velocity [m/s] of the motor with a joint, then
-        f [N] with a lag of the drives.
-
+    mass, damping, stiffness: M_t [kg], B_t [N s/m], K_t [N/m]
+    mass: moving mass [kg], motor and link
+    damping, stiffness: of the impedance law [N s/m], [N/m]
+    reference_delay: delay of the reference [s]
+    states: number of internal states: position [m] and velocity [m/s] of the motor with a joint,
+    then f [N] with a lag of the drives
     """
 
     def __init__(
@@ -67,18 +52,9 @@ class RobotLaw:
         """
         Evaluate the impedance law.
 
-        Parameters
-        ----------
-        x, v : float or ndarray, shape (N,)
-            Position [m] and velocity [m/s].
-        reference : sequence of float, or ndarray, shape (4, N)
-            x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
-
-        Returns
-        -------
-        u : float or ndarray, shape (N,)
-            Force commanded to the drives [N].
-
+        x, v (N,): position [m] and velocity [m/s]
+        reference (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
+        Returns u (N,): force commanded to the drives [N]
         """
         x_r, v_r, a_r, F_r = reference
         return (self._feed_forward * a_r - self.damping * (v - v_r)
@@ -90,11 +66,7 @@ class RobotLaw:
 
         m is `math` or `numpy`.
 
-        Returns
-        -------
-        force : float or ndarray, shape (N,)
-            Without F_e [N].
-
+        Returns force (N,): without F_e [N]
         """
         return self.less_drag(self.control(x, v, reference, m), v, m)
 
@@ -137,18 +109,8 @@ class RobotLaw:
         """
         Return the force that drives the link of a law with states.
 
-        Parameters
-        ----------
-        x, v : float
-            Position [m] and velocity [m/s] of the link.
-        states : tuple of float, length `states`
-            Internal states.
-
-        Returns
-        -------
-        force : float
-            Without F_e [N].
-
+        x, v: position [m] and velocity [m/s] of the link
+        Returns force: without F_e [N]
         """
         if self.joint is None:
             return float(self.less_drag(states[-1], v, math))
@@ -157,22 +119,7 @@ class RobotLaw:
     def rates(
         self, x: float, v: float, states: tuple[float, ...], reference: Any
     ) -> tuple[float, ...]:
-        """
-        Return the rates of the internal states.
-
-        Parameters
-        ----------
-        x, v, states
-            As for `drive`.
-        reference : sequence of float, length 4
-            As of `impedance_force`.
-
-        Returns
-        -------
-        rates : tuple of float, length `states`
-            Time derivatives.
-
-        """
+        """Return the rates of the internal states."""
         x_m, v_m = self.motor(x, v, states)
         u = self.control(x_m, v_m, reference, math)
         f, lag = (states[-1], ((u - states[-1]) / self._lag,)) if self._lag else (u, ())
@@ -185,18 +132,9 @@ class RobotLaw:
         """
         Evaluate the driving force along a recorded motion.
 
-        Parameters
-        ----------
-        t, x, v : ndarray, shape (N,)
-            Time [s], evenly spaced, position [m] and velocity [m/s].
-        reference : ndarray, shape (4, N)
-            As of `impedance_force`.
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Without F_e [N].
-
+        t, x, v (N,): time [s], evenly spaced, position [m] and velocity [m/s]
+        reference (4, N): as of `impedance_force`
+        Returns force (N,): without F_e [N]
         """
         u = self.control(x, v, reference, np)
         if self._lag:

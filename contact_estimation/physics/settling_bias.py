@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from .drawn_effect import log_uniform, random_sign, Scales, Strength
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
-from .random_strength import log_uniform, random_sign, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LONGEST = 2.0  # time constant, in the duration of the recording

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Number
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

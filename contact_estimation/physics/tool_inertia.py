@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .drawn_effect import Scales
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Number
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -28,7 +28,6 @@ class ToolWeight(ContactEffect):
     The component of gravity along the axis on what hangs beyond the sensor (J. Hollerbach,
     W. Khalil and M. Gautier, Springer Handbook of Robotics, 2016, chapter 6). A `force_bias` is
     in the reading alone, a `gravity_error` in the motion alone.
-
     """
 
     name = 'tool_weight'

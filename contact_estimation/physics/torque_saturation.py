@@ -10,10 +10,9 @@ from typing import Any
 
 from numpy.random import Generator
 
+from .drawn_effect import Scales, Strength
 from .numeric import Number
-from .random_strength import Strength
 from .robot_effect import RobotEffect
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -30,7 +29,6 @@ class TorqueSaturation(RobotEffect):
 
     Iron saturates, and torque falls behind current (Hughes and Drury, Electric Motors and Drives,
     2019). A limit of the controller clips instead, see `ActuatorSaturation`.
-
     """
 
     name = 'torque_saturation'

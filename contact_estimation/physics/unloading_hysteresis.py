@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Array, Flags, Number, positive, stretches
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -31,7 +31,6 @@ class UnloadingHysteresis(ContactEffect):
 
     Below d_max the wall unloads and reloads along a line of the stiffness (1 + ratio) K_e; out of
     contact it recovers. Walton and Braun, J. Rheology 30(5), 1986.
-
     """
 
     name = 'unloading_hysteresis'

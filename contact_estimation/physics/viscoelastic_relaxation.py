@@ -13,9 +13,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .drawn_effect import log_uniform, Scales, Strength
 from .numeric import Array, Flags, Number, stretches
-from .random_strength import log_uniform, Strength
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
+from .drawn_effect import Scales
 from .numeric import Array, Flags, Number, positive, stretches
-from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -32,7 +32,6 @@ class ViscousFlow(ContactEffect):
 
     It is the steady creep of a Maxwell or Burgers body (W. N. Findley et al., Creep and Relaxation
     of Nonlinear Viscoelastic Materials, 1976, ch. 5); the viscosity of the dashpot is K_e / rate.
-
     """
 
     name = 'viscous_flow'

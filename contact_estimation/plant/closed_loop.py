@@ -11,10 +11,10 @@ from math import isnan
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
 from .world import Truth, World
-from ..estimation.result import Result
-from ..estimation.session import ContactSession
 from ..estimators.estimate import Estimate
 from ..exceptions import ParameterRangeError
+from ..pipeline.axes import Result
+from ..pipeline.session import ContactSession
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
 

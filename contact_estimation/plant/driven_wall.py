@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .plant_parameters import PlantParameters
-from .runge_kutta import combine, shift, State
+from .world import combine, shift, State
 from ..exceptions import ParameterRangeError, SignalShapeError
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
@@ -32,24 +32,12 @@ def run_driven_wall(
     M_e xdd = -F_e - (B_e v + K_e delta + physics), the force interpolated linearly and
     corrected for the effects of the sensor.
 
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Model, of which environment, physics and `integration_rate` matter.
-    t : ndarray, shape (N,)
-        Times of the samples [s], increasing; N >= 2.
-    force : ndarray, shape (N,)
-        Measured F_e [N].
-    x0, v0 : float
-        Position [m] and velocity [m/s] at t[0].
-    begin : float
-        The wall's time at t[0] [s], on which some effects depend.
-
-    Returns
-    -------
-    positions : ndarray, shape (N,)
-        x [m].
-
+    parameters: model, of which environment, physics and `integration_rate` matter
+    t (N,): times of the samples [s], increasing; N >= 2
+    force (N,): measured F_e [N]
+    x0, v0: position [m] and velocity [m/s] at t[0]
+    begin: the wall's time at t[0] [s], on which some effects depend
+    Returns positions (N,): x [m]
     """
     return run_driven_wall_with_rates(parameters, t, force, x0, v0, begin)[0]
 
@@ -61,11 +49,7 @@ def run_driven_wall_with_rates(
     """
     Simulate the environment with rates; parameters as `run_driven_wall`.
 
-    Returns
-    -------
-    motion : ndarray, shape (3, N)
-        x [m] and its derivatives [m/s], [m/s^2].
-
+    Returns motion (3, N): x [m] and its derivatives [m/s], [m/s^2]
     """
     if np.shape(t) != np.shape(force) or np.ndim(t) != 1 or len(t) < 2:
         raise SignalShapeError(
@@ -106,16 +90,8 @@ class DrivenWall:
         """
         Remove the effects of the sensor from a measured force, except for its mass.
 
-        Parameters
-        ----------
-        t, reading : ndarray, shape (N,)
-            Time since the first sample [s] and measured F_e [N].
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            F_e less mass times acceleration [N].
-
+        t, reading (N,): time since the first sample [s] and measured F_e [N]
+        Returns force (N,): F_e less mass times acceleration [N]
         """
         for effect in reversed(self._sensor):
             reading = effect.undo_along(t, reading)
@@ -125,18 +101,9 @@ class DrivenWall:
         """
         Integrate the equation of motion.
 
-        Parameters
-        ----------
-        t, force : ndarray, shape (N,)
-            Time since the first sample [s] and force without effects of the sensor [N].
-        start : tuple of float
-            Position [m] and velocity [m/s] at the first sample.
-
-        Returns
-        -------
-        motion : ndarray, shape (3, N)
-            x [m] and its derivatives [m/s], [m/s^2].
-
+        t, force (N,): time since the first sample [s] and force without effects of the sensor [N]
+        start: position [m] and velocity [m/s] at the first sample
+        Returns motion (3, N): x [m] and its derivatives [m/s], [m/s^2]
         """
         state: State = (*start, *(0.0,) * self._law.states)
         times, forces = t.tolist(), force.tolist()

@@ -30,7 +30,6 @@ def mujoco_xml(model: PlantParameters) -> str:
     R = w (1 - d) / d give, for solref = (-k, -b) and the inverse weight w of the body,
     F = (k delta + b delta_dot) / (w (1 - d)) - d / (w (1 - d)) a (MuJoCo, "Computation",
     solver parameters). So k = K_e w (1 - d) and b = B_e w (1 - d).
-
     """
     wall, robot, physics = model.environment, model.robot, model.physics
     inertia = _or_zero(physics.reflected_inertia.M_r)
@@ -68,7 +67,6 @@ def sdf_xml(model: PlantParameters) -> str:
     Return the surface of an SDF collision, for Gazebo with ODE or Bullet.
 
     ODE combines 1/kp = 1/kp_1 + 1/kp_2 and kd = kd_1 + kd_2.
-
     """
     wall = model.environment
     return f"""<!-- {_expressed(model)}
@@ -95,7 +93,6 @@ def drake_xml(model: PlantParameters) -> str:
     Drake combines 1/k = 1/k_1 + 1/k_2 and tau = tau_1 + tau_2. Its solver SAP computes
     F = k (delta + tau delta_dot), so that tau = B_e / K_e; TAMSI and Similar compute
     F = k delta (1 + d delta_dot), so that d = chi / K_e of `hunt_crossley_damping`.
-
     """
     wall = model.environment
     if wall.stiffness <= 0.0:
@@ -119,7 +116,6 @@ def physx_usd(model: PlantParameters) -> str:
     Return a physics material and joint of PhysX 5, for Isaac Sim and Isaac Lab.
 
     Compliant contact is a spring and a damper, F = K_e delta + B_e delta_dot.
-
     """
     wall, physics = model.environment, model.physics
     return f"""#usda 1.0

@@ -1,17 +1,22 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Parameters of the simulated robot, wall and sensors: the model file."""
+"""Parameters of the simulated robot, wall and sensors, and the model files that hold them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
-from ..exceptions import ParameterRangeError
+from ..exceptions import ModelFileError, ParameterRangeError
+from ..parameters.file import read_parameter_file
 from ..parameters.specification import group, parameter, ParameterGroup
+from ..parameters.values import build, without
 from ..physics import PhysicsParameters
 from ..physics.numeric import SIGN_VELOCITY
+
 
 PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 """The paper's simulated force sensor: uniform, +-1 N."""
@@ -105,3 +110,71 @@ class PlantParameters(ParameterGroup):
         SIGN_VELOCITY, 'Speed below which dry friction fades: sgn(v) = tanh(v / sign_velocity)',
         'm/s', minimum=1e-15, read_only=True)
     seed: int = parameter(0, 'Seed of all noise', minimum=0, read_only=True)
+
+
+@dataclass(frozen=True)
+class PlantNodeParameters(ParameterGroup):
+    """The experiment, and when it starts and ends."""
+
+    experiment: str = parameter(
+        'sine', 'Name of an experiment, or a YAML file of segments', read_only=True
+    )
+    duration: float = parameter(
+        0.0, 'Time after which the node ends; 0: that of the experiment', 's', minimum=0.0,
+        read_only=True,
+    )
+    repeat: bool = parameter(
+        False, 'Repeat the experiment until the duration is over; without a '
+        'duration, without end', read_only=True,
+    )
+    subscribers: int = parameter(
+        1, 'Number of subscribers of wrench and joint_states to wait for at the start', minimum=0,
+        maximum=1000, read_only=True,
+    )
+    patience_s: float = parameter(
+        30.0, 'Start without them after this', 's', minimum=0.0, read_only=True
+    )
+    lockstep: bool = parameter(
+        False, 'Send a sample only after the reference for the previous one has arrived: '
+        'the run does not depend on the speed of the machine', read_only=True,
+    )
+    frame_id: str = parameter('contact_frame', 'Frame of the wrench', read_only=True)
+    joint: str = parameter('contact_x', 'Name of the joint', read_only=True)
+    summary_file: str = parameter(
+        '', 'At the end, write samples sent, samples dropped and latency to this JSON file',
+        read_only=True,
+    )
+
+
+def read_model(path: str | PathLike[str], seed: int | None = None) -> PlantParameters:
+    """
+    Read a model file: the section `plant_node` of a ROS 2 parameter file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        YAML file; a missing key has its default.
+    seed : int, optional
+        Seed of all noise, >= 0; default: the seed of the file.
+
+    Returns
+    -------
+    model : PlantParameters
+        Environment, robot, sensors and physics.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing or has no section `plant_node`.
+    ContactEstimationError
+        If a key is unknown or a value is out of range.
+
+    """
+    values = read_parameter_file(Path(path), 'plant_node')
+    if not values:
+        raise ModelFileError(
+            f'model file {path} must have a section plant_node with ros__parameters, got none; '
+            'see config/plant_node.yaml for an example'
+        )
+    model = build(PlantParameters, without(PlantNodeParameters, values))
+    return model if seed is None else replace(model, seed=seed)

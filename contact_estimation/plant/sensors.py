@@ -41,11 +41,8 @@ class Sensors:
         """
         Return one measurement.
 
-        Returns
-        -------
-        force, position, velocity : float
-            F_e [N], x [m] and its rate [m/s], NaN where velocity is not published.
-
+        Returns force, position, velocity: F_e [N], x [m] and its rate [m/s], NaN where velocity is
+        not published
         """
         p = self._p
         force = truth.sensed + p.force_noise * next(self._streams[0])

@@ -1,50 +1,106 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""A simulated recording: the plant on a recorded command or force, or on an experiment."""
+"""Simulated recordings: the plant on a recorded command or force, or on an experiment."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .between_samples import BETWEEN
 from .driven_wall import run_driven_wall_with_rates
-from .open_loop import simulate_at
 from .plant_parameters import PlantParameters
-from .sampled_reference import reference_through
+from .sampled_signals import BETWEEN, reference_through
 from .sensors import Sensors
-from .world import Truth
+from .world import Truth, World
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ..physics.effect import Effect
+from ..recordings.topic_names import canonical
+from ..recordings.writing import RecordingWriter
 from ..reference.experiment import Experiment
-from ..reference.setpoints import Reference
+from ..reference.setpoints import Reference, ReferenceAt
+from ..signals.contact_sample import ContactRecording, ContactSample
+
 
 Array = NDArray[np.float64]
+
+
+def run_open_loop(
+    plant: PlantParameters, reference: ReferenceAt, start: float, duration: float,
+    further: Sequence[Effect] = (),
+) -> tuple[list[Truth], ContactRecording]:
+    """
+    Simulate the plant on a given reference.
+
+    reference: from time [s] to the reference
+    start: initial position of the robot, at rest [m]
+    duration: simulated time [s]
+    """
+    period = 1.0 / plant.sample_rate
+    world, sensors = World(plant, start, further=further), Sensors(plant)
+    truths: list[Truth] = []
+    samples: list[ContactSample] = []
+    for k in range(round(duration * plant.sample_rate)):
+        truth = world.truth(reference)
+        force, position, velocity = sensors.measure(truth)
+        truths.append(truth)
+        samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
+        world.advance(period, reference)
+    return truths, ContactRecording.of(samples)
+
+
+def simulate_on(
+    parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
+) -> list[Truth]:
+    """
+    Simulate on a sampled reference, interpolated linearly.
+
+    parameters: parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per
+    sample suffices unless dry friction acts on a light robot.
+    t (N,): times of the samples [s], increasing
+    reference_rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
+    x0, v0: position [m] and velocity [m/s] of the robot at t[0]
+    begin: the world's time at t[0] [s], on which some effects depend
+    """
+    since = t - t[0] + begin
+    return simulate_at(
+        parameters, since, reference_through(since, reference_rows), x0, v0, begin)
+
+
+def simulate_at(
+    parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
+) -> list[Truth]:
+    """
+    Simulate, and return the true states at given times.
+
+    t (N,): output times [s], >= begin, increasing
+    reference: from time [s] to the reference
+    """
+    world, truths = World(parameters, x0, v0, begin=begin), []
+    for now in t.tolist():
+        if now > world.t:
+            world.advance(now - world.t, reference)
+        truths.append(world.truth(reference))
+    return truths
+
+
 Stamps = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """
-    Measurements of a simulated world, and the reference of its robot.
+    """Measurements of a simulated world, and the reference of its robot."""
 
-    Attributes
-    ----------
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the samples [ns].
-    measured : ndarray, shape (3, N)
-        F_e [N], x [m] and its rate [m/s], NaN where not published.
-    reference_ns : ndarray of int64, shape (M,)
-        Stamps of the reference [ns].
-    reference : ndarray, shape (4, M)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; M = 0 without a robot.
-
-    """
-
-    stamp_ns: Stamps
-    measured: Array
-    reference_ns: Stamps
+    stamp_ns: Stamps  # (N,) stamps of the samples [ns]
+    measured: Array  # (3, N) F_e [N], x [m] and its rate [m/s], NaN where not published
+    reference_ns: Stamps  # (M,) stamps of the reference [ns]
+    # (4, M) x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; M = 0 without a robot
     reference: Array
 
 
@@ -55,19 +111,9 @@ def simulate_command(
     """
     Simulate a model on a recorded reference.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Parameters of the world.
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the measurements [ns], increasing.
-    reference_ns, reference
-        As in `Simulation`.
-    start : tuple of float
-        Position [m] and velocity [m/s] of the robot at the first stamp.
-    held : bool
-        Whether the robot holds each setpoint until the next; else it interpolates linearly.
-
+    stamp_ns (N,): stamps of the measurements [ns], increasing
+    start: position [m] and velocity [m/s] of the robot at the first stamp
+    held: whether the robot holds each setpoint until the next; else it interpolates linearly
     """
     first = stamp_ns[0]
     follow = reference_through((reference_ns - first) * 1e-9, reference, held)
@@ -92,19 +138,10 @@ def simulate_force(
     """
     Simulate an attached wall without a robot on a measured force.
 
-    Parameters
-    ----------
-    model : PlantParameters
-        Parameters of the wall.
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps of the force [ns], increasing.
-    force : ndarray, shape (N,)
-        Measured F_e [N].
-    start : tuple of float
-        Position [m] and velocity [m/s] at the first stamp.
-    between : str
-        Behaviour of the force between its samples, a key of `BETWEEN`.
-
+    stamp_ns (N,): stamps of the force [ns], increasing
+    force (N,): measured F_e [N]
+    start: position [m] and velocity [m/s] at the first stamp
+    between: behaviour of the force between its samples, a key of `BETWEEN`
     """
     t = (stamp_ns - stamp_ns[0]) * 1e-9
     motion = run_driven_wall_with_rates(model, t, BETWEEN[between](force), *start)
@@ -117,3 +154,42 @@ def simulate_force(
 def _measured(model: PlantParameters, truths: list[Truth]) -> Array:
     sensors = Sensors(model)
     return np.array([sensors.measure(truth) for truth in truths]).T
+
+
+_WRENCH = 'geometry_msgs/msg/WrenchStamped'
+_JOINT_STATE = 'sensor_msgs/msg/JointState'
+_TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
+Entry = tuple[int, str, str, bytes]  # stamp, topic, type, message
+
+
+def write_simulation(
+    path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
+) -> None:
+    """Write a simulation to an MCAP file."""
+    entries = [
+        *_references(simulation, TrajectoryEncoder(frame_id, joint)),
+        *_samples(simulation, axis, joint, frame_id),
+    ]
+    entries.sort(key=lambda entry: entry[0])
+    with RecordingWriter.file(path) as writer:
+        for stamp_ns, topic, type_name, data in entries:
+            writer.write(canonical(topic), type_name, data, stamp_ns)
+
+
+def _references(simulation: Simulation, encoder: TrajectoryEncoder) -> Iterator[Entry]:
+    rows = simulation.reference.T.tolist()
+    for stamp_ns, row in zip(simulation.reference_ns.tolist(), rows):
+        yield stamp_ns, 'reference_trajectory', _TRAJECTORY, encoder.encode(stamp_ns, *row)
+
+
+def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> Iterator[Entry]:
+    force, position, velocity = simulation.measured.tolist()
+    published = all(v == v for v in velocity)
+    wrenches = WrenchEncoder(frame_id)
+    joints = JointStateEncoder(frame_id, joint, published)
+    place = 'xyz'.index(axis)
+    for stamp_ns, F, x, v in zip(simulation.stamp_ns.tolist(), force, position, velocity):
+        vector = [0.0, 0.0, 0.0]
+        vector[place] = F
+        yield stamp_ns, 'joint_states', _JOINT_STATE, joints.encode(stamp_ns, x, v)
+        yield stamp_ns, 'wrench', _WRENCH, wrenches.encode(stamp_ns, *vector)

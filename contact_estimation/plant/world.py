@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from functools import partial
 import math
 from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
-from .contact_mode import FREE, HELD, Instant, Mode, PRESSING, SLACK
 from .plant_parameters import PlantParameters
-from .runge_kutta import combine, shift, State
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
 from ..physics.effect import Effect
@@ -20,35 +19,65 @@ from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
 from ..reference.setpoints import ReferenceAt
 
+
+State = tuple[float, ...]
+"""x [m], v [m/s], then the internal states of the effects."""
+
+
+def shift(state: State, h: float, rates: State) -> State:
+    """Return state + h rates."""
+    return tuple([s + h * rate for s, rate in zip(state, rates)])
+
+
+def combine(
+    state: State, h: float, k1: State, k2: State, k3: State, k4: State
+) -> list[float]:
+    """Return the state after a step h [s] with rates k1 to k4."""
+    sixth = h / 6.0
+    return [s + sixth * (a + 2.0 * b + 2.0 * c + d)
+            for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+
+
+class Mode(Enum):
+    """Which equation of contact holds; each equation is smooth."""
+
+    FREE = 'free'
+    PRESSING = 'pressing'
+    SLACK = 'slack'
+    """The surface is reached, but the force is 0 or at the largest pull."""
+
+    HELD = 'held'
+    """Out of contact, but the wall still pulls."""
+
+
+FREE, PRESSING, SLACK, HELD = Mode  # attribute access of an enumeration is slow
+
+
+class Instant(NamedTuple):
+    """Acceleration [m/s^2] and F_e [N] under the equation that holds."""
+
+    acceleration: float
+    force: float
+    mode: Mode
+
+
 _BISECTIONS = 30
 _MOST_SWITCHES = 4.0
 _CREDIT_A_STEP = 0.1  # a backlash resting at its end would switch at every step
 
 
 class Truth(NamedTuple):
-    """
-    Noise-free state of the world at one instant.
+    """Noise-free state of the world at one instant."""
 
-    Attributes
-    ----------
-    t : float
-        Time [s].
-    position, velocity, acceleration : float
-        Motion of the end-effector [m], [m/s], [m/s^2]: behind a flexible joint position and
-        velocity are those of the motor, as measured, the acceleration that of the link.
-    force : float
-        F_e [N], negative while pressing.
-    sensed : float
-        F_e after the effects of the force sensor [N].
-
-    """
-
-    t: float
+    t: float  # time [s]
+    # position, velocity, acceleration: motion of the end-effector [m], [m/s], [m/s^2]: behind a
+    # flexible joint position and velocity are those of the motor, as measured, the acceleration
+    # that of the link
     position: float
     velocity: float
     acceleration: float
-    force: float
-    sensed: float
+    force: float  # F_e [N], negative while pressing
+    sensed: float  # F_e after the effects of the force sensor [N]
 
 
 class World:
@@ -60,17 +89,9 @@ class World:
     straddles a switch of equations. Effects of the force sensor are evaluated at every step,
     because a lag is continuous in time.
 
-    Parameters
-    ----------
-    parameters : PlantParameters
-        Parameters of the world.
-    position, velocity : float
-        Initial state of the robot [m], [m/s].
-    further : sequence of Effect
-        Effects in addition to those of the parameters, such as ones outside EFFECTS.
-    begin : float
-        Time of the initial state [s], >= 0.
-
+    position, velocity: initial state of the robot [m], [m/s]
+    further: effects in addition to those of the parameters, such as ones outside EFFECTS
+    begin: time of the initial state [s], >= 0
     """
 
     def __init__(
@@ -120,13 +141,8 @@ class World:
         """
         Integrate the equations of motion.
 
-        Parameters
-        ----------
-        duration : float
-            Time to integrate over [s].
-        reference : callable
-            From time [s] to the reference, the same whenever it is asked for a time again.
-
+        duration: time to integrate over [s]
+        reference: from time [s] to the reference, the same whenever it is asked for a time again
         """
         self._follow(reference)
         steps = max(1, ceil(duration * self._rate - 1e-6))

@@ -24,25 +24,14 @@ _SINGULAR = 1e-6  # of the largest singular value: parameters that no motion tel
 
 @dataclass(frozen=True)
 class ArmTrajectory:
-    """
-    A motion of an arm with n joints.
+    """A motion of an arm with n joints."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        Times [s].
-    q, v, a : ndarray, shape (N, n)
-        Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
-    condition : float
-        Of the regressor of the links' parameters.
-
-    """
-
-    t: Array
+    t: Array  # (N,) times [s]
+    # q, v, a (N, n): positions, velocities, accelerations [rad], [rad/s], [rad/s^2]
     q: Array
     v: Array
     a: Array
-    condition: float
+    condition: float  # of the regressor of the links' parameters
 
     def as_csv(self, arm: ArmDynamics) -> str:
         """Return a table: time, then position, velocity and acceleration of each joint."""
@@ -62,17 +51,7 @@ def exciting_trajectory(
     Finite Fourier series (Swevers, Ganseman, Tukel, De Schutter and Van Brussel, IEEE Trans.
     Robotics and Automation 13(5), 1997), from rest to rest. Collisions are not checked.
 
-    Parameters
-    ----------
-    arm : ArmDynamics
-        With n joints.
-    seed : int
-        Of the draws.
-    duration, rate : float
-        [s], [Hz].
-    tries : int
-        Number of motions.
-
+    duration, rate: [s], [Hz]
     """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, duration, 1.0 / rate)

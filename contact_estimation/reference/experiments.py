@@ -1,18 +1,137 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Experiments by name."""
+"""Experiments by name, and from and to YAML files."""
 
 from __future__ import annotations
 
-from math import pi
+from math import isfinite, nan, pi
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Mapping
 
-from .excitation import Excitation, Multisine, PseudoRandomBinary, Sine
-from .experiment import Experiment, Segment, START
-from .experiment_file import read_experiment
-from ..exceptions import UnknownNameError
+import yaml
+
+from .experiment import Excitation, Experiment, Multisine, PseudoRandomBinary, Segment, Sine, START
+from ..exceptions import ModelFileError, UnknownNameError
+from ..texts import yaml_file
+
+
+_LONGEST_S = 86400.0
+_SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}
+_EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
+    'sine': (Sine, {'amplitude': 'amplitude', 'angular_frequency': 'omega'}),
+    'multisine': (Multisine, {'amplitude': 'amplitude', 'angular_frequencies': 'omegas'}),
+    'prbs': (PseudoRandomBinary, {'amplitude': 'amplitude', 'shift_rate': 'shift_rate'}),
+}
+
+
+def read_experiment(path: Path) -> Experiment:
+    """Read an experiment from a YAML file; doc/commands.md gives the schema."""
+    try:
+        content = yaml_file(path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise ModelFileError(f'experiment file {path} cannot be read: {reason}') from error
+    _expect(isinstance(content, Mapping), path, 'a mapping with `start` and `segments`', content)
+    _expect_keys(content, {'name', 'start', 'segments'}, path)
+    segments = content.get('segments')
+    _expect(isinstance(segments, list) and bool(segments), path, 'a list `segments`', segments)
+    start = _number(content.get('start', START), path, 'start')
+    made = tuple(_segment(entry, path) for entry in segments)
+    return Experiment(str(content.get('name', path.stem)), start, made)
+
+
+def experiment_text(experiment: Experiment) -> str:
+    """Return an experiment as YAML text that `read_experiment` reads."""
+    segments = [_segment_entry(segment) for segment in experiment.segments]
+    content = {'name': experiment.name, 'start': float(experiment.start), 'segments': segments}
+    return str(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=99))
+
+
+def _segment_entry(segment: Segment) -> dict[str, Any]:
+    entry: dict[str, Any] = {'duration': float(segment.duration),
+                             'position': float(segment.position)}
+    if segment.force == segment.force:
+        entry['force'] = float(segment.force)
+    for name in ('force_excitation', 'position_excitation'):
+        excitation = getattr(segment, name)
+        if excitation is not None:
+            entry[name] = _excitation_entry(excitation)
+    return entry
+
+
+def _excitation_entry(excitation: Excitation) -> dict[str, Any]:
+    kind, names = next(
+        (kind, names) for kind, (make, names) in _EXCITATIONS.items() if type(excitation) is make)
+    return {'kind': kind,
+            **{key: getattr(excitation, name) for key, name in names.items()}}
+
+
+def _segment(entry: Any, path: Path) -> Segment:
+    _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
+    _expect_keys(entry, _SEGMENT_KEYS, path)
+    duration = _number(entry.get('duration'), path, 'duration')
+    _expect(1e-3 <= duration <= _LONGEST_S, path, 'a duration of 0.001 s to one day', duration)
+    return Segment(
+        duration,
+        _number(entry.get('position'), path, 'position'),
+        _number(entry['force'], path, 'force') if 'force' in entry else nan,
+        _excitation(entry.get('force_excitation'), path),
+        _excitation(entry.get('position_excitation'), path),
+    )
+
+
+def _excitation(entry: Any, path: Path) -> Excitation | None:
+    if entry is None:
+        return None
+    _expect(isinstance(entry, Mapping) and 'kind' in entry, path, 'an excitation with `kind`',
+            entry)
+    if not isinstance(entry['kind'], str) or entry['kind'] not in _EXCITATIONS:
+        raise UnknownNameError.among(f'excitation in {path}', entry['kind'], _EXCITATIONS)
+    make, names = _EXCITATIONS[entry['kind']]
+    _expect_keys(entry, {'kind', *names}, path)
+    _expect('amplitude' in entry, path, 'an excitation with `amplitude`', entry)
+    values = {names[key]: _numbers(value, path, key) for key, value in entry.items()
+              if key != 'kind'}
+    try:
+        return make(**values)
+    except TypeError as error:
+        raise ModelFileError(
+            f'experiment file {path}: excitation {entry["kind"]!r} needs {", ".join(names)}, '
+            f'got {dict(entry)!r}'
+        ) from error
+
+
+def _numbers(value: Any, path: Path, key: str) -> float | list[float]:
+    if key.endswith('frequencies'):
+        _expect(isinstance(value, list), path, f'`{key}` as a list', value)
+        return [_number(entry, path, key) for entry in value]
+    return _number(value, path, key)
+
+
+def _number(value: Any, path: Path, key: str) -> float:
+    if isinstance(value, str):  # PyYAML reads 1e5 as text
+        try:
+            value = float(value)
+        except ValueError:
+            pass
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    _expect(number and isfinite(value), path, f'`{key}` as a number', value)
+    return float(value)
+
+
+def _expect(holds: bool, path: Path, expected: str, received: Any) -> None:
+    if not holds:
+        raise ModelFileError(
+            f'experiment file {path}: expected {expected}, got {received!r}; see doc/commands.md'
+        )
+
+
+def _expect_keys(entry: Mapping[str, Any], known: set[str], path: Path) -> None:
+    for key in entry:
+        if key not in known:
+            raise UnknownNameError.among(f'key in experiment file {path}', key, known)
+
 
 DEPTH = 0.0204
 """Final x_d [m]: 50 N under eq. (1) with the nominal values."""

@@ -6,10 +6,61 @@
 from __future__ import annotations
 
 from math import copysign, inf, isfinite
+from typing import Callable
 
-from .laws import LAWS
 from .parameters import ReferenceParameters, refuse_double_tracking
 from .setpoints import Desired, Reference
+
+
+def quintic(start: float, end: float, duration: float, t: float) -> tuple[float, float, float]:
+    """
+    Evaluate the fifth-order polynomial from rest to rest.
+
+    start, end: positions [m]
+    duration: duration of the motion [s], > 0
+    t: time since the start [s]; clipped to [0, duration]
+    Returns position, velocity, acceleration: in [m], [m/s], [m/s^2]
+    """
+    s = min(max(t / duration, 0.0), 1.0)
+    span = end - start
+    return (
+        start + span * s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
+        span / duration * 30.0 * s * s * (1.0 - s) ** 2,
+        span / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+    )
+
+
+Compliance = Callable[[float, float], float]
+
+
+def eq20_compliance(K_hat: float, K_t: float) -> float:
+    """
+    Eq. (20): x_r = x_e + F_r / K_hat.
+
+    K_hat: estimated stiffness of the environment [N/m], > 0
+    K_t: target stiffness of the robot [N/m]; not used
+    Returns compliance: (x_r - x_e) / F_r [m/N]
+    """
+    return 1.0 / K_hat
+
+
+def series_compliance(K_hat: float, K_t: float) -> float:
+    """
+    Springs in series: x_r = x_e + F_r (1 / K_hat + 1 / K_t).
+
+    K_hat, K_t: stiffness of environment and robot [N/m], > 0
+    Returns compliance: (x_r - x_e) / F_r [m/N]
+    """
+    return 1.0 / K_hat + 1.0 / K_t
+
+
+LAWS: dict[str, Compliance | None] = {
+    'eq20': eq20_compliance,
+    'series': series_compliance,
+    'pass_through': None,
+}
+"""Compliance by name of the law; None: x_d passes through, whatever F_r is."""
+
 
 _new = tuple.__new__  # of a named tuple: half the time of a call of its class
 
@@ -22,20 +73,8 @@ class ReferenceGenerator:
     Whenever that changes, the offset between old and new reference fades out smoothly. Position
     and rates always stay within the limits of `limited`.
 
-    Parameters
-    ----------
-    law : str
-        Key of LAWS.
-    parameters : ReferenceParameters
-        Limits.
-    period_s : float
-        Nominal time between references [s].
-
-    Attributes
-    ----------
-    limited : bool
-        Whether a limit keeps the last reference away from what it should be.
-
+    period_s: nominal time between references [s]
+    limited: whether a limit keeps the last reference away from what it should be
     """
 
     def __init__(
@@ -58,11 +97,7 @@ class ReferenceGenerator:
         """
         Start at the position of the robot, from which x_r then moves within its limits.
 
-        Parameters
-        ----------
-        position : float
-            Measured x [m]; finite.
-
+        position: measured x [m]; finite
         """
         self._last, self._resting = Reference(position, 0.0, 0.0), None
 
@@ -82,23 +117,11 @@ class ReferenceGenerator:
         """
         Compute the reference of one instant.
 
-        Parameters
-        ----------
-        t : float
-            Time at which the robot follows it [s].
-        dt : float
-            Time since the last call [s].
-        desired : Desired
-            Setpoint at that time.
-        contact : bool
-            Whether there is contact.
-        x_e : float
-            Location of the wall [m].
-        K_hat : float
-            Estimated stiffness [N/m].
-        deepest : float
-            Largest x_r [m]; NaN: no limit.
-
+        t: time at which the robot follows it [s]
+        dt: time since the last call [s]
+        x_e: location of the wall [m]
+        K_hat: estimated stiffness [N/m]
+        deepest: largest x_r [m]; NaN: no limit
         """
         position, velocity, acceleration, force = desired
         last = self._last
@@ -179,21 +202,11 @@ def limited(
     `deepest`; from beyond it, x_r retreats at that speed. The same holds along the parabola that
     the robot follows until the next reference.
 
-    Parameters
-    ----------
-    last : Reference
-        Published before; finite.
-    target : Reference
-        Wanted; where its position is not finite, x_r stays.
-    dt : float
-        Time since the last reference [s]; x_r stays where this is not > 0.
-    period : float
-        Time for which the robot follows the new one [s].
-    speed : float
-        Largest |dx_r/dt| [m/s].
-    deepest : float
-        Largest x_r [m]; NaN: no limit.
-
+    target: wanted; where its position is not finite, x_r stays
+    dt: time since the last reference [s]; x_r stays where this is not > 0
+    period: time for which the robot follows the new one [s]
+    speed: largest |dx_r/dt| [m/s]
+    deepest: largest x_r [m]; NaN: no limit
     """
     position, velocity, acceleration, force = target
     before = last[0]

@@ -9,41 +9,23 @@ from typing import Callable, NamedTuple
 
 
 class Desired(NamedTuple):
-    """
-    Setpoint of the planner at one instant.
+    """Setpoint of the planner at one instant."""
 
-    Attributes
-    ----------
-    position, velocity, acceleration : float
-        x_d with derivatives [m], [m/s], [m/s^2].
-    force : float
-        F_r, positive while pressing [N]; NaN where no force is prescribed.
-
-    """
-
+    # position, velocity, acceleration: x_d with derivatives [m], [m/s], [m/s^2]
     position: float
     velocity: float
     acceleration: float
-    force: float
+    force: float  # F_r, positive while pressing [N]; NaN where no force is prescribed
 
 
 class Reference(NamedTuple):
-    """
-    The reference trajectory at one instant, as published on `reference_trajectory`.
+    """The reference trajectory at one instant, as published on `reference_trajectory`."""
 
-    Attributes
-    ----------
-    position, velocity, acceleration : float
-        x_r with derivatives [m], [m/s], [m/s^2].
-    force : float
-        F_r while a force law is active, else 0 [N].
-
-    """
-
+    # position, velocity, acceleration: x_r with derivatives [m], [m/s], [m/s^2]
     position: float
     velocity: float
     acceleration: float
-    force: float = 0.0
+    force: float = 0.0  # F_r while a force law is active, else 0 [N]
 
 
 ReferenceAt = Callable[[float], tuple[float, float, float, float]]

@@ -13,16 +13,40 @@ from std_msgs.msg import String
 
 from . import topics
 from .data_thread import RawSubscriptions
-from .message_classes import has_transforms
-from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.arm_frames import NOT_INSTALLED
-from ..estimation.arm_stage import ArmStage
-from ..estimation.events import DESCRIPTION, EstimationEvent, event_now
-from ..estimation.session import ContactSession
+from .topics import has_transforms
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
+from ..kinematics.joint_kinds import turning_joint
 from ..kinematics.transform_model import TransformModel
 from ..messages.transforms import TRANSFORMS_TYPE
+from ..pipeline.arm_inputs import ArmStage
+from ..pipeline.arm_kinematics import NO_DESCRIPTION, NOT_INSTALLED
+from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
+from ..pipeline.session import ContactSession
+
+
+REVOLUTE = 'revolute_joint'
+
+
+class AxisDescription:
+    """Warn where a joint of the description turns, but its positions are taken for metres."""
+
+    def __init__(self, node: Node, session: ContactSession, lock: Lock) -> None:
+        self._session, self._lock = session, lock
+        node.create_subscription(
+            String, topics.ROBOT_DESCRIPTION, self._on_description, topics.DESCRIPTION_QOS)
+
+    def _on_description(self, message: String) -> None:
+        session = self._session
+        with self._lock:
+            joint = turning_joint(message.data, list(session.parameters.joints.values()))
+            session.notices.pop(REVOLUTE, None)
+            if joint:
+                session.notices[REVOLUTE] = (
+                    f'joint {joint!r} turns, says the robot description: its positions are angles '
+                    'and not metres, and no estimate holds; for an arm set kinematics.base, '
+                    'kinematics.tip and contact.normal')
+
 
 CHANGED = 'robot_description_changed'
 

@@ -20,8 +20,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from .message_classes import message_class
-from .topics import overridable
+from .topics import message_class, overridable
 
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -92,11 +91,7 @@ class RawSubscriptions:
         """
         Wait for messages and pass them to their callbacks.
 
-        Parameters
-        ----------
-        timeout_ns : int
-            Longest time to wait [ns].
-
+        timeout_ns: longest time to wait [ns]
         """
         waking = self._waking
         if self._wait_set is None or self._capacity < len(waking):

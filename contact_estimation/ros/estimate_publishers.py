@@ -11,22 +11,15 @@ from typing import Any, Callable, Sequence
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
-from .message_classes import message_class
-from .topics import FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING
-from .topics import TRAJECTORY, VECTOR3, WRENCH_TYPE
-from ..estimation.compensated_wrench import CompensatedWrench
-from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
-from ..estimation.result import Result
-from ..estimation.target_pose import TargetPose
-from ..estimation.wall_law import WallLawNews
+from .topics import (
+    FLOAT64, message_class, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY,
+    VECTOR3, WRENCH_TYPE)
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
-    encode_float64,
-    encode_string,
-    ForceTorqueEncoder,
-    TrajectoryEncoder,
-    Vector3StampedEncoder,
-)
+    encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
+from ..pipeline.arm_outputs import CompensatedWrench, TargetPose
+from ..pipeline.axes import encode_matrices, MATRIX_TOPICS, Result
+from ..pipeline.wall_law import WallLawNews
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,
@@ -44,11 +37,7 @@ class EstimatePublishers:
     """
     All outputs of the estimator node.
 
-    Attributes
-    ----------
-    compensated : CompensatedWrench or None
-        What makes `~/compensated_wrench`, which is not published without.
-
+    compensated: what makes `~/compensated_wrench`, which is not published without
     """
 
     def __init__(self, node: Node, joint: str) -> None:

@@ -1,24 +1,63 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Diagnostics of the estimator node, for /diagnostics."""
+"""Diagnostics of the estimator node, and the graph of ROS as it sees it."""
 
 from __future__ import annotations
 
 from collections import deque
-from math import isfinite
+from math import inf, isfinite
 import time
 from typing import Any, Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
 
-from .percentiles import percentiles
-from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.checks import lag_in_words, Rejections
-from ..estimation.model_fit import ModelFitMonitor
-from ..estimation.session import ContactSession
-from ..estimation.wall_law import laws_in_words
+from . import topics
+from .plant_statistics import percentiles
 from ..estimators.estimate import Estimate
+from ..pipeline.arm_kinematics import NO_DESCRIPTION
+from ..pipeline.checks import lag_in_words, Rejections
+from ..pipeline.checks.stream_checks import graph_warnings
+from ..pipeline.session import ContactSession
+from ..pipeline.wall_law import laws_in_words, ModelFitMonitor
+
+
+_EVERY_S = 1.0
+_OTHER_JOINTS = 'joint_states_joint_unknown'
+
+
+class Graph:
+    """Warn of several publishers of one measurement, and of several nodes of one name."""
+
+    def __init__(self, node: Node) -> None:
+        self._node, self._looked = node, -inf
+        self._found: dict[str, str] = {}
+
+    def warnings(self, session: ContactSession) -> dict[str, str]:
+        """Return texts by name."""
+        if time.monotonic() - self._looked >= _EVERY_S:
+            self._looked = time.monotonic()
+            self._found = self._look(session)
+        return self._found
+
+    def _look(self, session: ContactSession) -> dict[str, str]:
+        measured = [topics.WRENCH]
+        # Of an arm, and where other joints are on the topic, each publisher may have its own.
+        if not session.parameters.kinematics.tip and not session.rejected[_OTHER_JOINTS]:
+            measured.append(topics.JOINT_STATES)
+        publishers = {}
+        for topic in map(self._node.resolve_topic_name, measured):
+            publishers[topic] = [_full(one.node_namespace, one.node_name)
+                                 for one in self._node.get_publishers_info_by_topic(topic)]
+        nodes = [_full(namespace, name)
+                 for name, namespace in self._node.get_node_names_and_namespaces()]
+        return graph_warnings(publishers, self._node.get_fully_qualified_name(), nodes)
+
+
+def _full(namespace: str, name: str) -> str:
+    return f'{namespace.rstrip("/")}/{name}'
+
 
 _LATENCIES_KEPT = 2000
 _STARTING_S = 5.0  # in which the log does not complain of a sensor that starts after the node
@@ -28,26 +67,11 @@ class EstimatorDiagnostics:
     """
     Collect statistics at every sample and report them as a diagnostic status.
 
-    Parameters
-    ----------
-    name : str
-        Of the node, with its namespace.
-    silence_s : float
-        Time without a wrench after which the status is ERROR [s].
-    hardware_id : str
-        Of the sensor or robot.
-    now_ns : callable
-        The node's clock, by which latencies are measured [ns].
-    description_topic : str
-        On which the description of an arm is awaited.
-    graph : callable, optional
-        From the session to what the graph of ROS warns of, texts by name.
-
-    Attributes
-    ----------
-    headline : tuple of (str, str)
-        Name and text of the main warning of the last report; '' without one.
-
+    silence_s: time without a wrench after which the status is ERROR [s]
+    now_ns: the node's clock, by which latencies are measured [ns]
+    description_topic: on which the description of an arm is awaited
+    graph: from the session to what the graph of ROS warns of, texts by name
+    headline: name and text of the main warning of the last report; '' without one
     """
 
     def __init__(
@@ -77,11 +101,7 @@ class EstimatorDiagnostics:
         """
         Note that the outputs for a sample have been published.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Of the sample [ns].
-
+        stamp_ns: of the sample [ns]
         """
         self.processed += 1
         self._latencies_ns.append(self._now_ns() - stamp_ns)
@@ -155,7 +175,7 @@ class EstimatorDiagnostics:
             self._rejections = Rejections(
                 lambda reason: session.rejection_texts.get(reason, ''),
                 lambda: lag_in_words(session.motion_lag_s, session.parameters.motion_topic))
-        rejected = self._rejections.newly(session.rejected, self.processed)
+        rejected = self._rejections.new_warnings(session.rejected, self.processed)
         active = [*self._graph(session).items(), *session.notices.items()]
         active += [(warned.name, warned.text) for warned in session.checks.warnings()]
         if not rejected[0]:

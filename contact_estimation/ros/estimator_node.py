@@ -16,28 +16,24 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from . import topics
-from .arm_topics import ArmTopics
-from .axis_description import AxisDescription
+from .arm_topics import ArmTopics, AxisDescription
 from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
-from .estimator_diagnostics import EstimatorDiagnostics
+from .estimator_diagnostics import EstimatorDiagnostics, Graph
 from .estimator_node_parameters import EstimatorNodeParameters
-from .graph import Graph
-from .node_log import NodeLog
 from .parameters import declare, serve_changes
-from .running import run_node
-from ..estimation.compensated_wrench import CompensatedWrench
-from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, LOCATION
-from ..estimation.events import RESET, set_location, START, TARE
-from ..estimation.inputs import MessageInputs
-from ..estimation.parameters import EstimationParameters
-from ..estimation.result import Result
-from ..estimation.session import ContactSession
-from ..estimation.target_pose import check_target_pose, target_pose
+from .running import NodeLog, run_node
 from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
+from ..pipeline.arm_outputs import check_target_pose, CompensatedWrench, target_pose
+from ..pipeline.axes import Result
+from ..pipeline.events import (
+    biases, CHANGE, EstimationEvent, event_now, LOCATION, RESET, set_location, START, TARE)
+from ..pipeline.inputs import MessageInputs
+from ..pipeline.parameters import EstimationParameters
+from ..pipeline.session import ContactSession
 from ..reference.setpoints import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
@@ -54,7 +50,6 @@ class EstimatorNode(Node):
 
     Samples are processed on the data thread; parameters, services and diagnostics on that of the
     executor. Under the lock every event falls between two samples.
-
     """
 
     finished = False

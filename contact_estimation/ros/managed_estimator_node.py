@@ -24,7 +24,6 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
 
     Parameters can be set in every state. What arrives while the node is not active is ignored, so
     that a deactivation is a gap in the stamps. Cleaning up resets the estimate.
-
     """
 
     def __init__(self) -> None:

@@ -9,11 +9,7 @@ from array import array
 from typing import Any, Callable, Iterable, Mapping
 
 from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
+    FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -98,7 +94,6 @@ def _as_number(parameter: Parameter) -> Parameter:
 
     `ros2 param set NAME 500` sends an integer, and `ros2 param load` sends what `ros2 param dump`
     has written as 1e-06 or nan as text.
-
     """
     value = parameter.value
     if parameter.type_ == Parameter.Type.INTEGER_ARRAY:  # [0, 0, 1] of a parameter file

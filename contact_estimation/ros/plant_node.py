@@ -16,17 +16,16 @@ from rclpy.node import Node
 
 from . import topics
 from .data_thread import RawSubscriptions
-from .message_classes import message_class
 from .parameters import declare, serve_changes
 from .plant_statistics import PlantStatistics
 from .running import run_node
+from .topics import message_class
 from ..exceptions import MessageError, ParameterRangeError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided
 from ..plant.closed_loop import extrapolate
-from ..plant.plant_node_parameters import PlantNodeParameters
-from ..plant.plant_parameters import PlantParameters
+from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 from ..plant.sensors import Sensors
 from ..plant.world import World
 from ..reference.experiments import experiment_named

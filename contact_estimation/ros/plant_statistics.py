@@ -6,20 +6,27 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import Any, Sequence
 
-from .percentiles import percentiles
+
+def percentiles(values: Sequence[float]) -> dict[str, float | None]:
+    """Return median, 99th percentile and maximum."""
+    ordered = sorted(values)
+    if not ordered:
+        return {'p50': None, 'p99': None, 'max': None}
+    last = len(ordered) - 1
+    return {
+        'p50': ordered[min(last, len(ordered) // 2)],
+        'p99': ordered[min(last, int(0.99 * len(ordered)))],
+        'max': ordered[-1],
+    }
 
 
 class PlantStatistics:
     """
     Count samples and references, and measure latency from the time of sending.
 
-    Parameters
-    ----------
-    period_ns : int
-        Sample period [ns]; the reference for sample k has the stamp of sample k + 1.
-
+    period_ns: sample period [ns]; the reference for sample k has the stamp of sample k + 1
     """
 
     def __init__(self, period_ns: int) -> None:
@@ -35,13 +42,7 @@ class PlantStatistics:
         """
         Note that a sample is being sent.
 
-        Parameters
-        ----------
-        k : int
-            Index of the sample.
-        true_force : float
-            F_e before the sensor [N].
-
+        true_force: F_e before the sensor [N]
         """
         self._sent.append(time.perf_counter_ns())
         if true_force < 0.0:
@@ -51,11 +52,7 @@ class PlantStatistics:
         """
         Note the arrival of a reference.
 
-        Parameters
-        ----------
-        reference_stamp_ns : int
-            Instant from which the reference is to be followed [ns].
-
+        reference_stamp_ns: instant from which the reference is to be followed [ns]
         """
         now = time.perf_counter_ns()
         k = round((reference_stamp_ns - self.begin_ns) / self._period_ns) - 1

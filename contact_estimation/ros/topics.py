@@ -1,12 +1,18 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Names, types and quality of service of the topics."""
+"""Names, types, message classes and quality of service of the topics."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+from importlib import import_module
+from typing import Any
+
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from ..messages.transforms import TRANSFORMS_TYPE
 
 WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'
@@ -61,3 +67,19 @@ TF_STATIC_QOS = QoSProfile(
 def overridable() -> QoSOverridingOptions:
     """Return the options that let parameters `qos_overrides.TOPIC...` change the QoS."""
     return QoSOverridingOptions.with_default_policies()
+
+
+def has_transforms() -> bool:
+    """Return whether the messages of tf are installed, which rclpy does not need."""
+    try:
+        message_class(TRANSFORMS_TYPE)
+    except ImportError:
+        return False
+    return True
+
+
+@lru_cache(maxsize=None)
+def message_class(type_name: str) -> Any:
+    """Import the class of a message type."""
+    package, kind, name = type_name.split('/')
+    return getattr(import_module(f'{package}.{kind}'), name)

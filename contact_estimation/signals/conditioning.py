@@ -1,20 +1,158 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""From the samples of one axis to what a wall can have caused: time, bias, known physics."""
+"""
+From the samples of one axis to what a wall can have caused: time, bias, known physics, outliers.
+"""
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import nan
+from math import exp, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .compensated_sample import CompensatedSample, SampleCompensation
-from .contact_sample import ContactSample
+from .contact_sample import CompensatedSample, ContactSample, SampleCompensation
 from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ContactParameters(ParameterGroup):
+    """What noise to expect, and where an arm touches the wall."""
+
+    force_noise: float = parameter(
+        0.6,
+        'Standard deviation of the force noise to expect; it is then estimated from the force',
+        'N',
+        minimum=1e-9,
+        maximum=1e6,
+    )
+    position_noise: float = parameter(
+        1e-6, 'Standard deviation of the position noise', 'm', minimum=0.0
+    )
+    minimum_force: float = parameter(
+        0.0, 'Contact begins above this force whatever the noise', 'N', minimum=0.0
+    )
+    normal: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), 'Direction into the wall, of any length; for an arm (kinematics.tip)',
+        read_only=True,
+    )
+    normal_frame: str = parameter(
+        'base', 'Frame of the normal: kinematics.base, or kinematics.tip as it is oriented at '
+        'touch-down', choices=('base', 'tip'), read_only=True,
+    )
+    point: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), 'Point of the tip that touches the wall, in the frame of kinematics.tip',
+        'm', read_only=True,
+    )
+
+
+_MEMORY = 0.9  # of the line per sample
+_STIFFEST = 1e6  # standard deviation of the slope of a new line [N/m]
+_BEND = 0.2  # of the force, by which damping may bend the line at a reversal
+_SUPPORT = 10  # samples in agreement, below which the line may be wrong: touch-down bends it
+_SCALE_RATE = 0.05  # of the logarithm of the noise per sample
+_JUMP = sqrt(6.0)  # noise of a second difference
+_WITHIN = 0.683  # share of Gaussian noise within one standard deviation
+_LARGER, _SMALLER = exp(_SCALE_RATE * _WITHIN), exp(_SCALE_RATE * (_WITHIN - 1.0))
+
+
+class OutlierGate:
+    """
+    Replaces forces that are far from the line of the last samples by the line.
+
+    A force is an outlier where it also jumps away from its course in time: where a tool with a
+    fast touch turns around, damping leaves the line of force against depth within a few samples.
+
+    The line of force against depth is fitted to the last ten samples or so by recursive least
+    squares, so that it holds for any smooth law and wherever the surface is. The noise is a
+    quantile of its errors, on which outliers have no leverage. The way out: after a number of
+    outliers in a row on the same side, the line starts afresh from the last of them.
+    """
+
+    def __init__(self, threshold: float, samples: int) -> None:
+        self.count = 0
+        self._scale = 0.0
+        self._forget()
+        self.configure(threshold, samples)
+
+    def configure(self, threshold: float, samples: int) -> None:
+        """Set other thresholds; see the constructor."""
+        self._threshold, self._samples = threshold, samples
+        self.leave()
+
+    def leave(self) -> None:
+        """Forget the line, as out of contact; the noise stays."""
+        if self._line is not None:
+            self._forget()
+
+    def _forget(self) -> None:
+        # Depth, force there, slope; covariance of force and slope, times the noise variance.
+        self._line: tuple[float, float, float, float, float, float] | None = None
+        self._course = 0.0, 0.0  # the last two forces, outliers replaced
+        self._run = 0  # outliers in a row, negative below the line
+        self._support = 0  # samples that agree with the line
+
+    def replace(self, d: float, y: float, noise_std: float) -> float:
+        """
+        Replace the force of the next sample in contact where it is an outlier.
+
+        d: penetration [m]
+        y: pressing force [N]
+        noise_std: standard deviation of the force noise, > 0 [N]
+        Returns replaced: the line instead of an outlier [N]
+        """
+        line = self._line
+        if line is None:
+            if self._threshold:
+                self._start(d, y, noise_std)
+            return y
+        depth, level, slope, cc, ck, kk = line
+        x = d - depth
+        cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
+        predicted = level + slope * x
+        error = y - predicted
+        size, scale = abs(error), self._scale
+        if scale < noise_std:
+            scale = noise_std
+        width = scale * sqrt(1.0 + cc)
+        self._scale = scale * (_LARGER if size > width else _SMALLER)
+        bound = self._threshold * width
+        last, before = self._course
+        if (size > bound and size > bound + _BEND * max(abs(predicted), abs(level))
+                and abs(y - 2.0 * last + before) > self._threshold * scale * _JUMP):
+            if self._support < _SUPPORT or self._believes(error):
+                self._start(d, y, noise_std)
+                return y
+            self.count += 1
+            self._course = predicted, last
+            return predicted
+        self._run = 0
+        self._course = y, last
+        self._support += 1
+        # Least squares with forgetting; without motion the slope would wind up.
+        s = _MEMORY + cc
+        gain, gain_k, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
+        widest, ck = _STIFFEST / scale, gain_k
+        widest *= widest
+        if kk > widest:
+            ck, kk = ck * sqrt(widest / kk), widest
+        self._line = d, predicted + gain * error, slope + gain_k * error, gain, ck, kk
+        return y
+
+    def _believes(self, error: float) -> bool:
+        """Count an outlier; return whether so many on one side are a change."""
+        side = 1 if error > 0.0 else -1
+        self._run = self._run + side if self._run * side > 0 else side
+        return abs(self._run) >= self._samples
+
+    def _start(self, d: float, y: float, noise_std: float) -> None:
+        self._line = d, y, 0.0, 1.0, 0.0, (_STIFFEST / max(self._scale, noise_std)) ** 2
+        self._course = y, y
+        self._run = self._support = 0
+
 
 Array = NDArray[np.float64]
 _TARE_S = 0.5
@@ -43,18 +181,8 @@ class Conditioner:
     """
     Time steps, bias of the force and known physics of one axis.
 
-    Parameters
-    ----------
-    sample_rate : float
-        Nominal [Hz].
-
-    Attributes
-    ----------
-    bias : float
-        Force that is subtracted from the measured F_e [N].
-    compensation : SampleCompensation or None
-        Of the known physics.
-
+    sample_rate: nominal [Hz]
+    bias: force that is subtracted from the measured F_e [N]
     """
 
     def __init__(self, sample_rate: float) -> None:
@@ -78,20 +206,9 @@ class Conditioner:
         """
         Condition the next sample.
 
-        Parameters
-        ----------
-        sample : ContactSample
-            Stamped after the last one.
-        location : float
-            x_e nominal [m]; NaN: not known yet.
-
-        Returns
-        -------
-        dt, pressing : float, float
-            Time since the sample before [s], and -F_e less the bias [N].
-        known : CompensatedSample or None
-            What is left after known physics, None without any.
-
+        location: x_e nominal [m]; NaN: not known yet
+        Returns dt, pressing: time since the sample before [s], and -F_e less the bias [N]
+        Returns known: what is left after known physics, None without any
         """
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
@@ -105,18 +222,9 @@ class Conditioner:
         """
         Condition consecutive samples where no physics is known.
 
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Stamps [ns].
-        x, force : ndarray, shape (N,)
-            Position [m] and F_e [N].
-
-        Returns
-        -------
-        pressing : ndarray, shape (N,)
-            -F_e less the bias [N].
-
+        stamps_ns (N,): stamps [ns]
+        x, force (N,): position [m] and F_e [N]
+        Returns pressing (N,): -F_e less the bias [N]
         """
         self._last_ns, self._position = int(stamps_ns[-1]), float(x[-1])
         return self.bias - force
@@ -141,13 +249,8 @@ class Conditioner:
         """
         Return why no tare is possible now, '' where it is.
 
-        Parameters
-        ----------
-        contact : bool
-            Whether there is one.
-        location, margin : float
-            x_e, NaN where it is not known, and how far from it the surface may be [m].
-
+        location, margin: x_e, NaN where it is not known, and how far from it the surface may be
+        [m]
         """
         if contact:
             return 'in contact; move away from the wall and try again'

@@ -23,7 +23,6 @@ class JointMerger:
     Messages with the same joints form a source. A motion is given at the newest stamp that every
     source has reached; sources that have gone further are interpolated to it. A message that has
     all joints is passed on as it is.
-
     """
 
     def __init__(self, continuous: Sequence[bool]) -> None:
@@ -39,13 +38,9 @@ class JointMerger:
         """
         Add a message.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Its stamp [ns].
-        positions, velocities : sequence of float
-            Of all joints [rad], [rad/s] or [m], [m/s]; NaN where the message has none.
-
+        stamp_ns: its stamp [ns]
+        positions, velocities: of all joints [rad], [rad/s] or [m], [m/s]; NaN where the message
+        has none
         """
         places = tuple([k for k, value in enumerate(positions) if value == value])
         if self._turning:

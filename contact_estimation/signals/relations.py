@@ -15,8 +15,8 @@ from abc import ABC, abstractmethod
 from math import ceil, pi, sqrt
 from typing import Sequence
 
-from .butterworth import ButterworthBank
-from .compensated_sample import CompensatedSample
+from .contact_sample import CompensatedSample
+from .filters import ButterworthBank
 
 Row = Sequence[float]
 COLUMNS = 5
@@ -31,11 +31,7 @@ class Relation(ABC):
     """
     Base of all relations.
 
-    Parameters
-    ----------
-    sample_period_s : float
-        Nominal T [s]; relations over several samples hold only across regular spacing.
-
+    sample_period_s: nominal T [s]; relations over several samples hold only across regular spacing
     """
 
     def __init__(self, sample_period_s: float) -> None:
@@ -51,17 +47,10 @@ class Relation(ABC):
         """
         Build the row of an instant in contact.
 
-        Parameters
-        ----------
-        dt : float
-            Time since the last sample [s].
-        delta : float
-            x - x_e nominal [m].
-        velocity : float
-            Its rate [m/s], NaN where not measured.
-        pressing : float
-            -F_e, less the force of known physics [N].
-
+        dt: time since the last sample [s]
+        delta: x - x_e nominal [m]
+        velocity: its rate [m/s], NaN where not measured
+        pressing: -F_e, less the force of known physics [N]
         """
 
 
@@ -96,7 +85,6 @@ class TustinRelation(Relation):
 
     Divided by 4, and written for (K_e, B_e, M_e) instead of (A, B, C): the same relation, in
     coordinates in which the covariance can be read. Uses positions only.
-
     """
 
     def __init__(self, sample_period_s: float) -> None:
@@ -129,15 +117,8 @@ class GatedRows:
     """
     Rows of a relation in contact and zeros out of contact, all passed through one filter.
 
-    Parameters
-    ----------
-    relation : type of Relation
-        Builds the rows.
-    cutoff_frequency : float
-        Of the filter [Hz]; 0: none.
-    sample_rate : float
-        Nominal [Hz].
-
+    cutoff_frequency: of the filter [Hz]; 0: none
+    sample_rate: nominal [Hz]
     """
 
     def __init__(

@@ -35,13 +35,9 @@ class StampScreen:
     refutes it, or `CONFIRMING` messages that increase prove that the clock was set, or that both
     topics were silent. All of them are used then.
 
-    Attributes
-    ----------
-    held : list of Message
-        Held back, in the order of their arrival.
-    before_ns : int
-        The stamp used before the last one of the topic; `BEFORE_ANY` where there is none [ns].
-
+    held: held back, in the order of their arrival
+    before_ns: the stamp used before the last one of the topic; `BEFORE_ANY` where there is none
+    [ns]
     """
 
     def __init__(self, kind: str, rejected: Counter[str]) -> None:
@@ -56,20 +52,12 @@ class StampScreen:
         """
         Take a message; return those that can be used now, in the order of their stamps.
 
-        Parameters
-        ----------
-        message : Message
-            The next one.
-        last_ns, other_ns : int
-            Last stamp used of this topic and of the other; `BEFORE_ANY` where there is none [ns].
-        gap_ns : int
-            Largest distance ahead of them, except in a topic so slow that five of its periods
-            are longer: then these, up to `jump_ns` [ns].
-        jump_ns : int
-            Largest distance behind them on one clock [ns].
-        offset_ns : int
-            What was added to the stamps of this topic [ns].
-
+        last_ns, other_ns: last stamp used of this topic and of the other; `BEFORE_ANY` where there
+        is none [ns]
+        gap_ns: largest distance ahead of them, except in a topic so slow that five of its periods
+        are longer: then these, up to `jump_ns` [ns]
+        jump_ns: largest distance behind them on one clock [ns]
+        offset_ns: what was added to the stamps of this topic [ns]
         """
         stamp_ns = message[0]
         ahead_ns = max(gap_ns, min(jump_ns, _PERIODS * (last_ns - self.before_ns)))

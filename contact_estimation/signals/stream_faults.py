@@ -61,11 +61,7 @@ def bursts_of(t: Array) -> Bursts | None:
     """
     Find stamps in bursts: most of the time passes between them.
 
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        Stamps in their order [s].
-
+    t (N,): stamps in their order [s]
     """
     steps = np.diff(t)
     if len(steps) < 2 * _LEAST_BURSTS:
@@ -104,13 +100,8 @@ def courses_of(values: NDArray[np.float64], least: float) -> Courses | None:
     a step; but the levels change at least as often as by chance (Wald and Wolfowitz's number of
     runs), as no signal does that is sampled fast enough.
 
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, in the order of the samples.
-    least : float
-        Range of a block from which on it counts.
-
+    values (N,): any unit, in the order of the samples
+    least: range of a block from which on it counts
     """
     blocks = values[:len(values) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
     blocks = blocks[np.ptp(blocks, axis=1) > least]
@@ -162,16 +153,10 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
 
     A drift that is as fast within the levels explains what differs between them, and is no step.
 
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time [s] and force [N] of the samples of free flight alone.
-    noise : float
-        Standard deviation of the force, at least [N].
-    resting : bool
-        Whether the force of free flight is one level as long as the zero is: not beside a weight
-        that turns, where only what happens from one sample to the next is a step.
-
+    t, force (N,): time [s] and force [N] of the samples of free flight alone
+    noise: standard deviation of the force, at least [N]
+    resting: whether the force of free flight is one level as long as the zero is: not beside a
+    weight that turns, where only what happens from one sample to the next is a step
     """
     if len(t) < 2 * _PIECE or not noise > 0.0:
         return []

@@ -77,15 +77,7 @@ class Synchroniser:
     and their stamps, not on which topic was served first. Stamps are screened before all else, see
     `StampScreen`.
 
-    Attributes
-    ----------
-    rejected : Counter
-        Number of messages rejected, by reason.
-    time_jumps : int
-        Number of backward clock jumps.
-    jumped : bool
-        Set at a backward clock jump; reset by the user of the samples.
-
+    jumped: set at a backward clock jump; reset by the user of the samples
     """
 
     def __init__(
@@ -134,13 +126,8 @@ class Synchroniser:
         """
         Return the samples completed by a wrench.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Header stamp [ns].
-        forces : sequence of float
-            F_e along each axis [N].
-
+        stamp_ns: header stamp [ns]
+        forces: F_e along each axis [N]
         """
         last_ns, screen = self._last_wrench_ns, self._wrench_screen
         if last_ns < stamp_ns <= last_ns + self._gap_ns and not screen.held:
@@ -171,13 +158,8 @@ class Synchroniser:
         """
         Add a joint state.
 
-        Parameters
-        ----------
-        stamp_ns : int
-            Header stamp [ns].
-        motion : sequence of float
-            x of each axis [m], then its rate of each axis [m/s], NaN where not measured.
-
+        stamp_ns: header stamp [ns]
+        motion: x of each axis [m], then its rate of each axis [m/s], NaN where not measured
         """
         stamp_ns += self._offset_ns
         last_ns, screen = self._last_motion_ns, self._motion_screen
@@ -223,13 +205,9 @@ class Synchroniser:
 
         They are the samples that `add_wrench` and `add_motion` would return one by one.
 
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Stamps of both [ns].
-        forces, positions, velocities : sequence of ndarray, shape (N,)
-            F_e [N], x [m] and its rate [m/s], NaN where not measured, of each axis.
-
+        stamps_ns (N,): stamps of both [ns]
+        forces, positions, velocities (N,): F_e [N], x [m] and its rate [m/s], NaN where not
+        measured, of each axis
         """
         last, steps = max(self.newest_ns), np.diff(stamps_ns)
         begin = int(stamps_ns[0]) - last if last != BEFORE_ANY else 1 + int(stamps_ns[0])

@@ -9,20 +9,14 @@ from math import nan
 import re
 from typing import Any, Callable, Mapping, NamedTuple
 
-from .contact_log import ContactLog
-from .readings import Reading, Readings, readings_of
-from ..estimation.events import DESCRIPTION, EstimationEvent, START
-from ..estimation.parameters import EstimationParameters
+from .readings import ContactLog, Reading, Readings, readings_of
 from ..exceptions import MessageError
 from ..messages import (
-    decode_diagnostics,
-    decode_float64,
-    decode_string,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-)
-from ..messages.diagnostics import DIAGNOSTICS_TYPE
+    decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)
+from ..messages.plain_decoding import DIAGNOSTICS_TYPE
 from ..parameters.values import build, changed
+from ..pipeline.events import DESCRIPTION, EstimationEvent, START
+from ..pipeline.parameters import EstimationParameters
 
 WRENCH, JOINTS = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
 TRAJECTORY, VECTOR = 'trajectory_msgs/msg/JointTrajectory', 'geometry_msgs/msg/Vector3Stamped'
@@ -30,24 +24,13 @@ FLOAT, TEXT = 'std_msgs/msg/Float64', 'std_msgs/msg/String'
 
 
 class Subscription(NamedTuple):
-    """
-    A topic that the view needs.
+    """A topic that the view needs."""
 
-    Attributes
-    ----------
-    topic, type_name : str
-        Name, relative to the namespace, and type.
-    callback : callable
-        Takes the raw message.
-    latched : bool
-        Whether the last message is kept for late subscribers.
-
-    """
-
+    # topic, type_name: name, relative to the namespace, and type
     topic: str
     type_name: str
-    callback: Callable[[bytes], None]
-    latched: bool = False
+    callback: Callable[[bytes], None]  # takes the raw message
+    latched: bool = False  # whether the last message is kept for late subscribers
 
 
 class LiveContact:
@@ -55,7 +38,6 @@ class LiveContact:
     What a running estimator and its inputs publish.
 
     Messages that cannot be used are left out: the estimator reports them.
-
     """
 
     def __init__(

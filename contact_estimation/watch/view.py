@@ -9,9 +9,20 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from .contact_log import CHECKS, ContactLog, STATUS
-from .plots import Plot, PLOTS
-from .rerun_sdk import require_rerun
+from .layouts import Plot, PLOTS
+from .readings import CHECKS, ContactLog, STATUS
+from ..exceptions import MissingPackageError
+
+
+def require_rerun() -> Any:
+    """Import Rerun."""
+    try:
+        import rerun
+        import rerun.blueprint
+    except ImportError as error:
+        raise MissingPackageError.of('rerun-sdk', 'the live view') from error
+    return rerun
+
 
 TIMELINE = 'time'
 _EPOCH_NS = 10**17  # stamps beyond it count from 1970; simulated time starts near 0
@@ -24,15 +35,7 @@ class ContactView:
 
     `flush` sends what has been logged: a column costs no more than a value.
 
-    Attributes
-    ----------
-    log : ContactLog
-        To be written to.
-    stream : rerun.RecordingStream
-        Where all is sent.
-    serves : bool
-        Whether this process must live on for viewers to get the data.
-
+    serves: whether this process must live on for viewers to get the data
     """
 
     def __init__(self, name: str) -> None:

@@ -32,7 +32,7 @@ from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
-from ...plant.open_loop import simulate_on
+from ...plant.simulation import simulate_on
 from ...reference.experiment import Experiment
 
 Array = NDArray[np.float64]

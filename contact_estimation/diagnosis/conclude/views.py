@@ -32,7 +32,7 @@ from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.reference import with_held_reference
 from ..observe.signals import Recording
 from ...physics import EFFECTS
-from ...plant.between_samples import BETWEEN
+from ...plant.sampled_signals import BETWEEN
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]

@@ -20,8 +20,8 @@ from ...parameters.values import build, flatten
 from ...physics import EFFECTS
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
-from ...plant.open_loop import simulate_on
 from ...plant.plant_parameters import PlantParameters
+from ...plant.simulation import simulate_on
 
 Array = NDArray[np.float64]
 

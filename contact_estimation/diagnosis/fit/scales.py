@@ -14,7 +14,7 @@ from scipy.fft import next_fast_len
 from .fitting import Fit
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ...physics.scales import Scales, Tone
+from ...physics.drawn_effect import Scales, Tone
 
 Array = NDArray[np.float64]
 Tones = tuple[Tone, ...]

@@ -25,7 +25,7 @@ from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import bends, huber
 from ...physics import EFFECTS
-from ...physics.scales import Scales
+from ...physics.drawn_effect import Scales
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.signals import Signals
-from ...reference.quintic import quintic
+from ...reference.reference_generator import quintic
 
 Array = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from .observer import (
     run,
     run_velocity,
 )
-from ...physics.second_order import discretise
-from ...plant.between_samples import NOISE, smooth
+from ...physics.numeric import discretise
+from ...plant.sampled_signals import NOISE, smooth
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,9 @@ from scipy.signal import lfilter
 from .observer import run, run_from, run_velocity
 from .touch_down import at_touch_down
 from ...physics.contact_law import ContactLaw
-from ...physics.joint import Joint
-from ...physics.numeric import Flags, stretches
+from ...physics.numeric import discretise, Flags, stretches
+from ...physics.robot_effect import Joint
 from ...physics.robot_law import RobotLaw
-from ...physics.second_order import discretise
 
 Array = NDArray[np.float64]
 

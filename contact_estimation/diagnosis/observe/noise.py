@@ -16,7 +16,7 @@ from .observed import Observed
 from .observer import innovations_of
 from .pace import is_slow
 from .smoothing import least_noise, white_noise_std
-from ...physics.second_order import SecondOrder
+from ...physics.numeric import SecondOrder
 
 Array = NDArray[np.float64]
 

@@ -21,10 +21,10 @@ from .smoothing import (
     differentiate, rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ,
     white_noise_std,
 )
+from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
-from ...physics.second_order import discretise, SecondOrder
-from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
+from ...plant.sampled_signals import BETWEEN
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import freqz, lfilter
 
-from ...physics.second_order import SecondOrder
+from ...physics.numeric import SecondOrder
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
-from ...physics.second_order import SecondOrder
+from ...physics.numeric import SecondOrder
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any, Mapping
 
 from .signals import Recording, signals_of
-from ...estimation.arm_signals import read_contact_signals
-from ...estimation.parameters import EstimationParameters
-from ...estimation.recorded_arm import arm_parameters
 from ...exceptions import UnknownNameError
 from ...messages import FORCE_OF_AXIS
 from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 from ...texts import printable

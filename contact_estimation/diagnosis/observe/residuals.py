@@ -23,8 +23,8 @@ from .model import Laws, Model
 from .observer import innovations, innovations_of, run
 from .prepared_recording import PreparedRecording
 from .touch_down import at_touch_down
+from ...physics.numeric import discretise
 from ...physics.robot_law import RobotLaw
-from ...physics.second_order import discretise
 
 Array = NDArray[np.float64]
 

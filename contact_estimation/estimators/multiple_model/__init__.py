@@ -4,10 +4,9 @@
 """One recursive posterior of a contact: whether there is one, K_e, B_e, the surface, the law."""
 
 from .contact import CONTACT, FREE, NEITHER
-from .knowledge import Knowledge
-from .lag import told_lag
 from .laws import NAMES as LAWS
 from .posterior import WallPosterior
+from .slow_states import Knowledge, lag_prior
 
 __all__ = [
     'CONTACT',
@@ -15,6 +14,6 @@ __all__ = [
     'Knowledge',
     'LAWS',
     'NEITHER',
-    'told_lag',
+    'lag_prior',
     'WallPosterior',
 ]

@@ -39,26 +39,12 @@ class Blocks:
     """
     Collects samples until a block is full, and makes its rows.
 
-    Parameters
-    ----------
-    position_noise : float
-        Least standard deviation of the position [m].
-
-    Attributes
-    ----------
-    period_s : float
-        Of the samples [s]; 0 before it is known.
-    smoothing : Smoothing
-        The kernel for that period.
-    noise : (float, float)
-        Variance of position [m^2] and measured rate [m^2/s^2].
-    short, long, settled, wanted : int
-        Samples of a short, a long, the longest and the present block.
-    left : int
-        Number of rows that the samples before a gap may have, to be set to 0 once they are used.
-    outliers, missing : int
-        Forces replaced as outliers; samples missing, from the spacing of the stamps.
-
+    position_noise: least standard deviation of the position [m]
+    period_s: of the samples [s]; 0 before it is known
+    noise: variance of position [m^2] and measured rate [m^2/s^2]
+    short, long, settled, wanted: samples of a short, a long, the longest and the present block
+    left: number of rows that the samples before a gap may have, to be set to 0 once they are used
+    outliers, missing: forces replaced as outliers; samples missing, from the spacing of the stamps
     """
 
     def __init__(self, position_noise: float) -> None:
@@ -106,11 +92,7 @@ class Blocks:
         """
         Return what `step` returns for consecutive samples, and where it only notes them.
 
-        Parameters
-        ----------
-        t, x : ndarray, shape (N,)
-            Stamps [s] and positions [m].
-
+        t, x (N,): stamps [s] and positions [m]
         """
         with np.errstate(invalid='ignore'):
             dt, moved = (np.diff(values, prepend=last) for values, last in (
@@ -170,15 +152,9 @@ class Blocks:
         """
         Add a sample.
 
-        Parameters
-        ----------
-        dt : float
-            Of `step` [s].
-        sample : tuple of float
-            Force [N], x [m], v [m/s], and what known physics bend.
-        taught : bool
-            Whether the wall is to be learned from it.
-
+        dt: of `step` [s]
+        sample: force [N], x [m], v [m/s], and what known physics bend
+        taught: whether the wall is to be learned from it
         """
         raw, T = self._raw, self.period_s
         self._until = self._last_t
@@ -197,13 +173,8 @@ class Blocks:
         """
         Add samples that `step` would only note, and that fill no block.
 
-        Parameters
-        ----------
-        t : float
-            Stamp of the last one [s].
-        samples : ndarray, shape (N, 6)
-            As of `add`, and whether the wall is to be learned from each.
-
+        t: stamp of the last one [s]
+        samples (N, 6): as of `add`, and whether the wall is to be learned from each
         """
         self._last_t, self._last_x, self._jumped = t, float(samples[-1, 1]), 0
         self._until = t
@@ -244,16 +215,9 @@ class Blocks:
         """
         Return whole short blocks of a longer one that is not full.
 
-        Parameters
-        ----------
-        later : ndarray, shape (N, 2)
-            Force [N] and position [m] of samples to come; without any, the last short block.
-
-        Returns
-        -------
-        shorts : ndarray, shape (2, M, short)
-            Force and position.
-
+        later (N, 2): force [N] and position [m] of samples to come; without any, the last short
+        block
+        Returns shorts (2, M, short): force and position
         """
         kept = (self.pending % self.short if len(later) else self.short) * _SIGNALS
         before = np.array(self._raw[len(self._raw) - kept:]).reshape(-1, _SIGNALS)[:, :2]
@@ -301,7 +265,7 @@ class Blocks:
         phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent)
         return phi if whole.all() else phi[:, whole]
 
-    def beside_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
+    def next_to_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
         """Return 0 for rows across a jump of the force, which no wall explains, 1 for others."""
         force, x, _, whole = self._selected
         K, B, surface = wall

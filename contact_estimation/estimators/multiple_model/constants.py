@@ -4,8 +4,8 @@
 """
 Every number of the posterior, each with where it comes from.
 
-Probabilities are stated beliefs; `python -m contact_estimation.benchmarks.online_study` shows
-what another value does to errors and coverage.
+Probabilities are stated beliefs; `python -m contact_estimation.studies online` shows what another
+value does to errors and coverage.
 """
 
 # -- contact, sample by sample ------------------------------------------------------------------
@@ -42,7 +42,7 @@ SLOPE_STD = 4.0
 ANYWHERE_M = 0.1
 """Standard deviation of a surface that nothing is known of [m]: the reach of one contact."""
 
-AS_TOLD_M = 5e-6
+EXACT_SURFACE_M = 5e-6
 """The same of one that is exactly where it is said to be [m]: the steps of encoders."""
 
 AS_TOLD, NEAR, ELSEWHERE = 0.49, 0.49, 0.02

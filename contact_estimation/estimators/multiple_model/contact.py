@@ -66,20 +66,9 @@ class ContactFilter:
     neither: it teaches nothing, and becomes the level if it stays the same over the travel, or a
     wall if it grows with the depth.
 
-    Parameters
-    ----------
-    minimum_force : float
-        Contact begins above this force [N].
-    least_noise : float
-        Least standard deviation of the force [N]: simulated sensors have none.
-
-    Attributes
-    ----------
-    state : int
-        FREE, CONTACT or NEITHER.
-    level, level_variance : float
-        Force in free flight [N] and its variance.
-
+    minimum_force: contact begins above this force [N]
+    least_noise: least standard deviation of the force [N]: simulated sensors have none
+    level, level_variance: force in free flight [N] and its variance
     """
 
     def __init__(self, minimum_force: float = 0.0, least_noise: float = 1e-3) -> None:
@@ -125,15 +114,9 @@ class ContactFilter:
         """
         Judge consecutive samples, up to and with the one that changes the state.
 
-        Parameters
-        ----------
-        dt : sequence of float, length N
-            Time since the sample before each [s].
-        force, x : sequence of float, length N
-            Pressing force [N] and position [m].
-        surface, std : float
-            x_e as known, NaN where it is not, and its standard deviation [m].
-
+        dt: time since the sample before each [s]
+        force, x: pressing force [N] and position [m]
+        surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
         """
         noise, before = self._noise, self.state
         variances = self._learn_noise(force)
@@ -235,12 +218,12 @@ class ContactFilter:
             if self._down > RELEASE:
                 self.state = FREE
             elif segment.count % 10 == 0:
-                self._look_again(z, variance, place)
+                self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
         return count
 
-    def _look_again(self, z: float, variance: float, place: float) -> None:
+    def _judge_again(self, z: float, variance: float, place: float) -> None:
         """Decide whether what is neither is a wall after all, or the level."""
         segment = self._segment
         count, mean, xx, xf, ff = segment.moments

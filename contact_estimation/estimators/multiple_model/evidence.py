@@ -20,43 +20,21 @@ _RIDGE = 1e-10  # of a unit diagonal, so that columns that are the same leave no
 
 
 class Scene(NamedTuple):
-    """
-    What all hypotheses share.
+    """What all hypotheses share."""
 
-    Attributes
-    ----------
-    x0, depth : float
-        Reference of the columns and mean penetration [m].
-    damping : float
-        B_e / K_e as estimated so far [s].
-    lag : (float, float)
-        Of the force sensor, and its standard deviation [s].
-
-    """
-
+    # x0, depth: reference of the columns and mean penetration [m]
     x0: float
     depth: float
-    damping: float
-    lag: tuple[float, float]
+    damping: float  # B_e / K_e as estimated so far [s]
+    lag: tuple[float, float]  # of the force sensor, and its standard deviation [s]
 
 
 class Hypotheses(NamedTuple):
-    """
-    Laws, each with a prior of its stiffness and its surface.
+    """Laws, each with a prior of its stiffness and its surface."""
 
-    Attributes
-    ----------
-    law : ndarray of int, shape (N,)
-        Indices of NAMES.
-    stiffness : ndarray, shape (N,)
-        Scale of the priors [N/m].
-    centre, std : ndarray, shape (N,)
-        Of the surface [m].
-
-    """
-
-    law: Ints
-    stiffness: Array
+    law: Ints  # (N,) indices of NAMES
+    stiffness: Array  # (N,) scale of the priors [N/m]
+    # centre, std (N,): of the surface [m]
     centre: Array
     std: Array
 
@@ -67,45 +45,25 @@ class Hypotheses(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """
-    The posterior of the coefficients under each hypothesis.
+    """The posterior of the coefficients under each hypothesis."""
 
-    Attributes
-    ----------
-    evidence : ndarray, shape (N,)
-        Log marginal likelihood, up to what all hypotheses on the same data share.
-    theta : ndarray, shape (N, 5)
-        Means.
-    P : ndarray, shape (N, 5, 5)
-        Covariances.
-
-    """
-
+    # (N,) log marginal likelihood, up to what all hypotheses on the same data share
     evidence: Array
-    theta: Array
-    P: Array
+    theta: Array  # (N, 5) means
+    P: Array  # (N, 5, 5) covariances
 
 
 class _Normal(NamedTuple):
-    """
-    Normal equations of hypotheses.
+    """Normal equations of hypotheses."""
 
-    Attributes
-    ----------
-    scaled, unit : ndarray, shape (N, 5, 5), (N, 5)
-        A = G + L with a diagonal of 1, and what it was multiplied by on both sides.
-    eta, std : ndarray, shape (N, 5)
-        Information vectors, and the deviations of the priors.
-    squares : ndarray, shape (N,)
-        f^T f + m^T L m.
-
-    """
-
+    # scaled, unit (N, 5, 5), (N, 5): A = G + L with a diagonal of 1, and what it was multiplied by
+    # on both sides
     scaled: Array
     unit: Array
+    # eta, std (N, 5): information vectors, and the deviations of the priors
     eta: Array
     std: Array
-    squares: Array
+    squares: Array  # (N,) f^T f + m^T L m
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -120,15 +78,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2), couples K and s.
 
-    Parameters
-    ----------
-    grams : ndarray, shape (N, 15, 15)
-        One for each hypothesis.
-    scene : Scene
-        What they share.
-    what : Hypotheses
-        N of them.
-
+    grams (N, 15, 15): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 
@@ -199,35 +149,20 @@ def surfaces(judged: Judged) -> tuple[Array, Array]:
 
 
 class Wall(NamedTuple):
-    """
-    What hypotheses say of the wall, as one Gaussian each.
+    """What hypotheses say of the wall, as one Gaussian each."""
 
-    Attributes
-    ----------
-    stiffness, damping, surface : ndarray, shape (N,)
-        K_e [N/m], B_e [N s/m] and x_e - x0 [m].
-    variances : ndarray, shape (3, N)
-        Of the three.
-
-    """
-
+    # stiffness, damping, surface (N,): K_e [N/m], B_e [N s/m] and x_e - x0 [m]
     stiffness: Array
     damping: Array
     surface: Array
-    variances: Array
+    variances: Array  # (3, N) of the three
 
 
 def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
     """
     Return K_e and B_e of the wall, without what the lag of the sensor has taken from B_e.
 
-    Parameters
-    ----------
-    judged, laws, scene
-        As of `judge`.
-    reach : float
-        Largest distance of the surface from x0 [m].
-
+    reach: largest distance of the surface from x0 [m]
     """
     theta, P = judged.theta, judged.P
     tau, std = scene.lag

@@ -13,18 +13,15 @@ from numpy.typing import NDArray
 
 from .blocks import Blocks
 from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
+    ANYWHERE_M, AS_TOLD, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter
 from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
-from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M, SURE
-from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
-from .moving import MovingWall
-from .rhythm import Rhythm, SETTLED, SURPRISE
-from .runs import Change, decided, Runs
+from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
+from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
 
 _LAWS = len(NAMES)
@@ -49,35 +46,18 @@ class WallInference:
     A hypothesis is a small linear fit of some columns to the sum of the Gram matrices of all
     blocks, and its evidence is that of a Gaussian model.
 
-    Parameters
-    ----------
-    location, location_std : float
-        x_e as told, NaN where unknown, and its standard deviation [m].
-    lag : (float, float)
-        Prior of the lag of the force sensor [s].
-    blocks, contact : Blocks, ContactFilter
-        The samples, and the noise of the force.
-
-    Attributes
-    ----------
-    known : Knowledge
-        Now.
-    lag : LagPosterior
-        Of the force sensor.
-    rhythm : Rhythm
-        Of blocks and judgements.
-    changes : int
-        How often the wall has become another.
-    inertia : float
-        Known mass that moves with the wall, whose force the samples contain [kg].
-
+    location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
+    lag: prior of the lag of the force sensor [s]
+    blocks, contact: the samples, and the noise of the force
+    changes: how often the wall has become another
+    inertia: known mass that moves with the wall, whose force the samples contain [kg]
     """
 
     def __init__(
         self, location: float, location_std: float, lag: tuple[float, float], blocks: Blocks,
         contact: ContactFilter,
     ) -> None:
-        self._told = location, max(location_std, AS_TOLD_M)
+        self._told = location, max(location_std, EXACT_SURFACE_M)
         self._blocks, self._contact = blocks, contact
         self.lag, self.rhythm, self.inertia = LagPosterior(*lag), Rhythm(False), 0.0
         self._variance = 0.0  # of the force, as the last block began
@@ -97,7 +77,7 @@ class WallInference:
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
         self._scale, self._seconds = 1e3, DAMPING_S  # K_e and B_e / K_e for the priors
-        self._surfaces = [(location, AS_TOLD_M, AS_TOLD), (location, std, NEAR),
+        self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
         self._touched = nan
@@ -105,7 +85,7 @@ class WallInference:
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
-        std = max(std, AS_TOLD_M)
+        std = max(std, EXACT_SURFACE_M)
         self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
         if not self.rhythm.blocks:
             self._x0 = surface
@@ -131,7 +111,6 @@ class WallInference:
         Relative standard deviations of K_e and B_e that the last second would leave on its own.
 
         The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
-
         """
         if self._excited_at != self.rhythm.blocks:
             self._excited_at = self.rhythm.blocks
@@ -193,7 +172,7 @@ class WallInference:
         surprise = self._surprise(phi, weights)
         if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
-            weights = weights * blocks.beside_jumps(wall, self._contact.variance)
+            weights = weights * blocks.next_to_jumps(wall, self._contact.variance)
         yield
         self._add((phi * weights) @ phi.T, phi)
         due = self.rhythm.is_due(surprise)
@@ -319,7 +298,7 @@ class WallInference:
         top = int(np.argmax(odds))
         self._top = what.law[top:top + 1], judged.theta[top], scene
         yield
-        self._tell(weights, judged, what, change, law, scene)
+        self._report_knowledge(weights, judged, what, change, law, scene)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
@@ -348,7 +327,7 @@ class WallInference:
         self.changes += 1
         self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
         if self._told[0] == self._told[0]:
-            self._surfaces.append((self._told[0], AS_TOLD_M, 1.0 - STILL_THERE))
+            self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
         self._rescale(K, B, 1.0, self.lag.lag[0])
         self._depth_s = 0.0
@@ -379,7 +358,7 @@ class WallInference:
             k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
             self.lag.learn(judged.theta[k], judged.P[k])
 
-    def _tell(
+    def _report_knowledge(
         self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
         law: int, scene: Scene,
     ) -> None:
@@ -413,7 +392,7 @@ class WallInference:
         """Move the reference of the columns to the surface where that is known better."""
         known = self.known
         off = abs(known.surface - self._x0)
-        if known.valid and off > max(2.0 * known.surface_std, AS_TOLD_M) and (
+        if known.valid and off > max(2.0 * known.surface_std, EXACT_SURFACE_M) and (
                 known.surface_std < 0.3 * self._depth):
             self._move_to(known.surface)
 

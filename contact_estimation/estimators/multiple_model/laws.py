@@ -39,23 +39,12 @@ UNKNOWNS = 5
 
 
 class Law(NamedTuple):
-    """
-    One law.
+    """One law."""
 
-    Attributes
-    ----------
-    columns : tuple of int
-        Those of stiffness, damping, third coefficient, surface and friction.
-    exponent : float
-        n.
-    prior : float
-        Probability before any contact.
-
-    """
-
+    # those of stiffness, damping, third coefficient, surface and friction
     columns: tuple[int, int, int, int, int]
-    exponent: float
-    prior: float
+    exponent: float  # n
+    prior: float  # probability before any contact
 
 
 _LINEAR = DEPTH, RATE, ACCELERATION, ONE, ZERO
@@ -90,18 +79,9 @@ def scales(laws: Ints, depth: float) -> Array:
 
     K_n y^n = (K_n depth^(n-1)) (y^n / depth^(n-1)): the secant stiffness at the depth.
 
-    Parameters
-    ----------
-    laws : ndarray of int, shape (N,)
-        Indices of NAMES.
-    depth : float
-        Mean penetration [m], > 0.
-
-    Returns
-    -------
-    scales : ndarray, shape (N, 6)
-        Of the columns of `CHOSEN`.
-
+    laws (N,): indices of NAMES
+    depth: mean penetration [m], > 0
+    Returns scales (N, 6): of the columns of `CHOSEN`
     """
     return _scales(depth)[laws]
 
@@ -121,22 +101,11 @@ def prior(laws: Ints, K: Array, damping: float, lag: tuple[float, float]) -> tup
     """
     Return means and standard deviations of the coefficients but those of K and the surface.
 
-    Parameters
-    ----------
-    laws : ndarray of int, shape (N,)
-        Indices of NAMES.
-    K : ndarray, shape (N,)
-        Scale of the stiffness [N/m].
-    damping : float
-        B_e / K_e as estimated so far [s].
-    lag : (float, float)
-        tau of the force sensor and its standard deviation [s].
-
-    Returns
-    -------
-    mean, std : ndarray, shape (N, 5)
-        Those of K and s are 0 and 1, to be set by the caller.
-
+    laws (N,): indices of NAMES
+    K (N,): scale of the stiffness [N/m]
+    damping: B_e / K_e as estimated so far [s]
+    lag: tau of the force sensor and its standard deviation [s]
+    Returns mean, std (N, 5): those of K and s are 0 and 1, to be set by the caller
     """
     per_K, mean, width = _priors(damping, *lag)
     scale = K[:, None]
@@ -165,16 +134,8 @@ def shifted_table(delta: float) -> Array:
 
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, to first order for n = 1.5.
 
-    Parameters
-    ----------
-    delta : float
-        How far into the wall [m].
-
-    Returns
-    -------
-    matrix : ndarray, shape (15, 15)
-        New columns from old ones.
-
+    delta: how far into the wall [m]
+    Returns matrix (15, 15): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

@@ -11,12 +11,50 @@ from typing import Iterator
 
 import numpy as np
 
-from .ahead import Ahead, GREATEST
 from .blocks import Blocks, FIRST
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
-from .knowledge import Knowledge, OUTSIDE, OUTSIDE_M
 from .laws import Array
+from .slow_states import Knowledge, OUTSIDE, OUTSIDE_M
+
+
+GREATEST = 1e5
+"""A larger force is no measurement [N]."""
+
+
+class Backlog:
+    """Consecutive samples, and which of them may be taken at once."""
+
+    def __init__(self, t: Array, force: Array, x: Array, v: Array) -> None:
+        self._arrays = t, force, x
+        self.t, self._force, self._x, self._v = (one.tolist() for one in (t, force, x, v))
+        self._dt: list[float] = []
+        self._others: list[int] = []  # from the last to the first
+        self._period_s = -1.0
+
+    def sample(self, k: int) -> tuple[float, float, float, float]:
+        """Return a sample as arguments of `take`."""
+        return self.t[k], self._force[k], self._x[k], self._v[k]
+
+    def part(self, begin: int, end: int) -> tuple[list[float], list[float], list[float]]:
+        """Return time steps, forces and positions."""
+        return self._dt[begin:end], self._force[begin:end], self._x[begin:end]
+
+    def steady_until(self, k: int, blocks: Blocks) -> int:
+        """Return the first sample from here on that must be taken alone."""
+        if k and not blocks.noted(self.t[k - 1], self._x[k - 1]):
+            return k
+        if blocks.period_s != self._period_s:
+            self._period_s = blocks.period_s
+            t, force, x = (one[k:] for one in self._arrays)
+            dt, steady = blocks.steady(t, x)
+            others = np.flatnonzero(~(steady & (np.abs(force) < GREATEST)))
+            self._dt[k:] = dt.tolist()
+            self._others = [len(self.t), *(k + others[::-1]).tolist()]
+        while self._others[-1] < k:
+            self._others.pop()
+        return self._others[-1]
+
 
 _FEW = 4  # samples that are not worth a run
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
@@ -34,26 +72,13 @@ class WallPosterior:
     small linear fit of some columns to the sum of these matrices. What contacts add up is carried
     from one to the next.
 
-    Parameters
-    ----------
-    location, location_std : float
-        x_e as told, NaN where unknown, and its standard deviation [m].
-    lag : (float, float)
-        Prior of the lag of the force sensor [s].
-    position_noise : float
-        Least standard deviation of the position [m].
-    minimum_force, least_noise : float
-        Contact begins above this force; least standard deviation of the force [N].
-
-    Attributes
-    ----------
-    contact : ContactFilter
-        The state of contact and the noise of the force.
-    blocks : Blocks
-        The samples, their period and noise.
-    wall : WallInference
-        What the blocks say of the wall.
-
+    location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
+    lag: prior of the lag of the force sensor [s]
+    position_noise: least standard deviation of the position [m]
+    minimum_force, least_noise: contact begins above this force; least standard deviation of the
+    force [N]
+    contact: the state of contact and the noise of the force
+    wall: what the blocks say of the wall
     """
 
     def __init__(
@@ -102,20 +127,12 @@ class WallPosterior:
         """
         Process a sample.
 
-        Parameters
-        ----------
-        t : float
-            Stamp, after the last one [s].
-        force, x, v : float
-            Pressing force [N], position [m] and its measured rate, NaN without [m/s].
-        usable : bool
-            Whether the wall is to be learned from it.
-        felt : (float, float), optional
-            Force and position by which contact is judged, where these are others.
-        bent : (float, float)
-            Where known physics bend the wall: how much more than x the displacement is that B_e
-            damps [m], and the slope of x over the depth less 1.
-
+        t: stamp, after the last one [s]
+        force, x, v: pressing force [N], position [m] and its measured rate, NaN without [m/s]
+        usable: whether the wall is to be learned from it
+        felt: force and position by which contact is judged, where these are others
+        bent: where known physics bend the wall: how much more than x the displacement is that B_e
+        damps [m], and the slope of x over the depth less 1
         """
         felt_force, felt_x = felt or (force, x)
         blocks, contact = self.blocks, self.contact
@@ -131,7 +148,7 @@ class WallPosterior:
             self._begin_work(self.wall.parts_of(blocks.left))
             blocks.left = 0
         if self._work is not None:
-            self._go_on()
+            self._continue_work()
         before = contact.state
         contact.take((dt,), (felt_force,), (felt_x,), *self.wall.known[4:6])
         if contact.state != before:
@@ -143,13 +160,9 @@ class WallPosterior:
         """
         Process consecutive samples as `take` does one by one, many at once where it can.
 
-        Parameters
-        ----------
-        t, force, x, v : ndarray, shape (N,)
-            As of `take`.
-
+        t, force, x, v (N,): as of `take`
         """
-        blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)
+        blocks, contact, ahead = self.blocks, self.contact, Backlog(t, force, x, v)
         table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
         while done < len(t):
             end = ahead.steady_until(done, blocks)
@@ -219,7 +232,7 @@ class WallPosterior:
     def _begin_work(self, work: Iterator[None] | None) -> None:
         """Finish the work before, since what it has judged may change."""
         if self._work is not None:
-            self._go_on(to_end=True)
+            self._continue_work(to_end=True)
         self._work = work
 
     def _leave(self, t: float) -> None:
@@ -234,7 +247,7 @@ class WallPosterior:
         self._begin_work(chain(work, self.wall.weigh_rest()))
         blocks.wanted = blocks.settled
 
-    def _go_on(self, to_end: bool = False) -> None:
+    def _continue_work(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
         assert self._work is not None
         parts = -(-_PARTS // max(self.blocks.wanted - 1, 1))  # done before the next block

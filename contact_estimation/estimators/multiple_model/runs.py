@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Times since which the wall may be another: the Gram matrices since then."""
+"""How long blocks are, and the times since which the wall may be another."""
 
 from __future__ import annotations
 
@@ -10,10 +10,83 @@ from typing import Generator, NamedTuple
 
 import numpy as np
 
-from .constants import (
-    ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS)
+from .constants import ANYWHERE_M, CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
+
+
+SURPRISE = 4.0
+"""Mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3."""
+
+SETTLED = 10
+"""Blocks of a wall, from which something is known of it."""
+
+_DOUBTFUL = 2.0  # mean square of a block that is judged although none is due
+_EARLY = 20  # blocks of a contact, all of them short
+_EARLY_DUE_S = 0.04  # of new data, from which hypotheses are weighed in the first contact
+_LEAST_DUE_S = 0.2  # the same later
+_OF_ALL, _OF_CONTACT = 0.1, 0.5  # share of the data that is new, from which they are weighed
+_ALERT = 5  # blocks judged after a surprise
+_STEADY = 10  # long blocks without a surprise, before longer ones
+
+
+class Rhythm:
+    """Short blocks and frequent judgements where the wall may be another, few where it is not."""
+
+    def __init__(self, followed: bool) -> None:
+        self.followed = followed
+        self.blocks = self._of_contact = self._alert = self._unsteady = 0
+        self._since_s = self._contact_s = self._unjudged_s = 0.0
+
+    @property
+    def early(self) -> bool:
+        """Whether contact or wall are new."""
+        return self._of_contact <= _EARLY or self.blocks <= SETTLED
+
+    @property
+    def length(self) -> int:
+        """Length of the next block: 0 for a short one, 1 and 2 for longer ones."""
+        if self.early or self._alert:
+            return 0
+        return 1 if self._unsteady or self.followed else 2
+
+    def touch(self) -> None:
+        """Begin a contact."""
+        self._of_contact, self._contact_s, self._unsteady = 0, 0.0, _STEADY
+
+    def add(self, seconds: float) -> None:
+        """Count a block [s]."""
+        self.blocks += 1
+        self._of_contact += 1
+        self._since_s += seconds
+        self._contact_s += seconds
+        self._unjudged_s += seconds
+
+    @property
+    def unjudged(self) -> bool:
+        """Whether there are data with which hypotheses have not been weighed."""
+        return self._unjudged_s > 0.0
+
+    def judged(self) -> None:
+        """Say that hypotheses have been weighed."""
+        self._unjudged_s = 0.0
+
+    def is_due(self, surprise: float) -> bool:
+        """Return whether hypotheses are weighed now, by the mean square of the last block."""
+        if surprise > SURPRISE:
+            self._alert, self._unsteady, self._since_s = _ALERT, _STEADY, 0.0
+        else:
+            self._alert = max(self._alert - 1, 0)
+        if self.length:
+            self._unsteady = max(self._unsteady - 1, 0)
+        if self._alert or self.blocks <= SETTLED or surprise > _DOUBTFUL:
+            return True
+        if self.followed:
+            return self.early or self._unjudged_s > 0.9 * _LEAST_DUE_S
+        due = _EARLY_DUE_S if self.blocks <= _EARLY else max(_LEAST_DUE_S, min(
+            _OF_ALL * min(self._since_s, FADE_S), _OF_CONTACT * self._contact_s))
+        return self._unjudged_s > 0.9 * due
+
 
 _LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
 _YOUNG_S = 0.02  # added to all ages: a short block
@@ -21,54 +94,26 @@ _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
 
 class Change(NamedTuple):
-    """
-    The hypotheses that the wall has changed, against the one that it has not.
+    """The hypotheses that the wall has changed, against the one that it has not."""
 
-    Attributes
-    ----------
-    odds : ndarray, shape (N,)
-        Log odds of each.
-    judged : Judged
-        The wall since then.
-    centre, std : ndarray, shape (N,)
-        Prior of its surface [m].
-    run, place : ndarray of int, shape (N,)
-        Index of the run, and of the surface before it.
-
-    """
-
-    odds: Array
-    judged: Judged
+    odds: Array  # (N,) log odds of each
+    judged: Judged  # the wall since then
+    # centre, std (N,): prior of its surface [m]
     centre: Array
     std: Array
+    # run, place (N,): index of the run, and of the surface before it
     run: Ints
     place: Ints
 
 
 class Before(NamedTuple):
-    """
-    What was before each run.
+    """What was before each run."""
 
-    Attributes
-    ----------
-    used : ndarray of int, shape (N,)
-        Indices of the runs.
-    since : ndarray, shape (N, 15, 15)
-        Gram matrices since then.
-    judged : Judged
-        The wall before.
-    place : ndarray of int, shape (N,)
-        Index of its surface: that which explained best what was before.
-    law : int
-        Index of the law.
-
-    """
-
-    used: Ints
-    since: Array
-    judged: Judged
-    place: Ints
-    law: int
+    used: Ints  # (N,) indices of the runs
+    since: Array  # (N, 15, 15) Gram matrices since then
+    judged: Judged  # the wall before
+    place: Ints  # (N,) index of its surface: that which explained best what was before
+    law: int  # index of the law
 
 
 class Runs:
@@ -79,13 +124,8 @@ class Runs:
     (Adams and MacKay 2007, on a pruned set of run lengths). Without motion only the force tells
     it; the surface, known from before, gives the new stiffness then.
 
-    Attributes
-    ----------
-    changes : float
-        Changes within contacts so far, and those of the prior.
-    seconds : float
-        Time in contact, and that of the prior [s].
-
+    changes: changes within contacts so far, and those of the prior
+    seconds: time in contact, and that of the prior [s]
     """
 
     def __init__(self) -> None:
@@ -147,17 +187,9 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        Parameters
-        ----------
-        gram : ndarray, shape (15, 15)
-            Of all data.
-        scene : Scene
-            As of `evidence.judge`.
-        what : Hypotheses
-            One law with each of its surfaces.
-        prior : ndarray, shape (M,)
-            Log prior of these.
-
+        gram (15, 15): of all data
+        what: one law with each of its surfaces
+        prior (M,): log prior of these
         """
         used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
         if not len(used):
@@ -179,17 +211,8 @@ class Runs:
         """
         Judge the wall since each run, and whether it is another one, in parts.
 
-        Parameters
-        ----------
-        before : Before
-            Of `before`.
-        scene : Scene
-            As of `evidence.judge`.
-        evidence : float
-            Of the law on all data, with its prior.
-        block_s : float
-            Duration of a block [s].
-
+        evidence: of the law on all data, with its prior
+        block_s: duration of a block [s]
         """
         used, since, judged, place, law = before
         delta, variance = surfaces(judged)

@@ -36,20 +36,10 @@ class Smoothing:
     (1 - u^2)^3 on |u| < 1 with its first and second derivative, normalised so that polynomials up
     to the second degree are differentiated exactly.
 
-    Parameters
-    ----------
-    period_s : float
-        T [s].
-
-    Attributes
-    ----------
-    period_s : float
-        T [s].
-    half, hop : int
-        Samples on each side of the centre, and between the centres of windows.
-    noise, rate_noise : float
-        Variance of S0 and S1 of white noise of variance 1 [-], [1/s^2].
-
+    period_s: t [s]
+    period_s: t [s]
+    half, hop: samples on each side of the centre, and between the centres of windows
+    noise, rate_noise: variance of S0 and S1 of white noise of variance 1 [-], [1/s^2]
     """
 
     def __init__(self, period_s: float) -> None:
@@ -85,24 +75,13 @@ class Smoothing:
         """
         Return the rows of successive samples.
 
-        Parameters
-        ----------
-        force, x, v : ndarray, shape (length(N),)
-            Pressing force [N], position [m] and its measured rate, NaN without [m/s].
-        x0 : float
-            Reference of the depth [m].
-        noise : (float, float)
-            Variance of position [m^2] and measured rate [m^2/s^2].
-        touching : bool
-            Whether the tool is outside the wall in some of the samples.
-        bent : two of ndarray, shape (length(N),)
-            As of `WallPosterior.take`; () where no known physics bend the wall.
-
-        Returns
-        -------
-        phi : ndarray, shape (15, N)
-            The columns of `laws`, a row for each window.
-
+        force, x, v (length(N),): pressing force [N], position [m] and its measured rate, NaN
+        without [m/s]
+        x0: reference of the depth [m]
+        noise: variance of position [m^2] and measured rate [m^2/s^2]
+        touching: whether the tool is outside the wall in some of the samples
+        bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
+        Returns phi (15, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)

@@ -28,7 +28,6 @@ def before_release(
 
     The release, where the wall lets go, is not used. None where the force is too weak to be sure
     that it was a contact, where it presses from the beginning, or there are too few samples.
-
     """
     deviation = sqrt(variance)
     pressing = np.flatnonzero(force > PRESSES * deviation)
@@ -51,26 +50,13 @@ def surface_of_touch(
     """
     Return where a contact began, by the evidence of a spring and a damper from each place on.
 
-    Parameters
-    ----------
-    smooth : Smoothing
-        The kernel.
-    force, x : ndarray, shape (N,)
-        Pressing force [N] and position [m], from before the touch to before the release.
-    weight : float
-        Of a row [1/N^2].
-    gram : ndarray, shape (15, 15)
-        Of earlier contacts, about x0 [m].
-    x0, scale : float
-        Reference of `gram` [m]; scale of the stiffness [N/m].
-    prior : (ndarray, ndarray, ndarray), shape (M,) each
-        Centre [m], standard deviation [m] and weight of a mixture.
-
-    Returns
-    -------
-    surface, std : float, float
-        Mean and standard deviation [m]; None where no place explains a pressing force.
-
+    force, x (N,): pressing force [N] and position [m], from before the touch to before the release
+    weight: of a row [1/N^2]
+    gram (15, 15): of earlier contacts, about x0 [m]
+    x0, scale: reference of `gram` [m]; scale of the stiffness [N/m]
+    prior (M,): centre [m], standard deviation [m] and weight of a mixture
+    Returns surface, std: mean and standard deviation [m]; None where no place explains a pressing
+    force
     """
     centres, stds, shares = prior
     places = np.concatenate([np.linspace(x.min(), x.max(), _PLACES, endpoint=False),

@@ -7,19 +7,21 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping
 
-from . import changes, differences, errors, names, pooled, recordings, summary, trends
+from .sections import (
+    prepare_changes, prepare_differences, prepare_errors, prepare_names, prepare_pooled,
+    prepare_recordings, prepare_summary, prepare_trends)
 from ..run import Fleet
 from ...diagnosis.report import page as diagnosis_page
 
 SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
-    'summary': summary.prepare,
-    'changes': changes.prepare,
-    'trends': trends.prepare,
-    'differences': differences.prepare,
-    'names': names.prepare,
-    'pooled': pooled.prepare,
-    'errors': errors.prepare,
-    'recordings': recordings.prepare,
+    'summary': prepare_summary,
+    'changes': prepare_changes,
+    'trends': prepare_trends,
+    'differences': prepare_differences,
+    'names': prepare_names,
+    'pooled': prepare_pooled,
+    'errors': prepare_errors,
+    'recordings': prepare_recordings,
 }
 """In the order of the page. A section whose data are None is left out."""
 

@@ -1,0 +1,146 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""
+What changes slowly: what is known of a wall, the lag of the force sensor, the walk of the surface.
+"""
+
+from __future__ import annotations
+
+from math import log, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALL_WALK
+from .laws import Array, COLUMNS, LOG_PRIOR, MOVING, ONE
+
+
+SURE = 0.3
+"""Relative standard deviation of K_e above which there is no estimate."""
+
+OUTSIDE, OUTSIDE_M = 4.0, 5e-4
+"""Distance from a surface where no force is that of the wall [deviations of the surface, m]."""
+
+
+class Knowledge(NamedTuple):
+    """What is known of the wall."""
+
+    # stiffness, damping, stiffness_std, damping_std: K_e [N/m], B_e [N s/m]; NaN before the first
+    # contact
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    # surface, surface_std: x_e [m]; NaN before it is known
+    surface: float
+    surface_std: float
+    inertia: float  # mass that moves with the wall where that is the law, else NaN [kg]
+    laws: tuple[float, ...]  # probabilities, in the order of `laws.NAMES`
+    # rms of the residual over that of the noise, in the last 2 s of contact; NaN before
+    fit: float
+
+    @property
+    def valid(self) -> bool:
+        """Whether the stiffness is known to a third of it."""
+        return self.stiffness_std < SURE * self.stiffness
+
+
+_TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
+_CORRELATED = 4.0  # times the variance that white noise would leave
+_ELSE = 2e-7  # share of K_e in the second coefficient that is no lag: 0.4 ms of one [s^2]
+
+
+class LagPosterior:
+    """
+    The posterior of tau on a grid, shared by all contacts.
+
+    The fit of K, B' and M' without a prior of M' obeys B' = B - K tau and
+    M' = c K tau^2 - B tau, with c between 1/2 (a delay) and 1 (one pole): the larger the damping,
+    the better it is seen.
+
+    mean, std: prior of tau [s]
+    lag: tau and its standard deviation [s]
+    """
+
+    def __init__(self, mean: float, std: float) -> None:
+        self._prior = -0.5 * LAG_TAIL * np.log1p(np.square((_TAU - mean) / max(std, 1e-5)))
+        self._set(self._prior)
+
+    def _set(self, log_posterior: Array) -> None:
+        p = np.exp(log_posterior - log_posterior.max())
+        p /= p.sum()
+        tau = float(p @ _TAU)
+        self.lag = tau, sqrt(float(p @ np.square(_TAU - tau)) + 1e-10)
+
+    def learn(self, theta: Array, P: Array) -> None:
+        """
+        Use a fit of K, B' and M' to all contacts of a wall.
+
+        theta, P (5,), (5, 5): coefficients and covariance
+        """
+        K, B, M = theta[:3]
+        error = M + (B + K * _TAU) * _TAU - TWO_POLES * K * _TAU ** 2
+        variance = _CORRELATED * (P[2, 2] + _TAU * (2.0 * P[1, 2] + _TAU * P[1, 1]))
+        variance = variance + (POLES_STD * K * _TAU ** 2) ** 2 + (_ELSE * K) ** 2
+        self._set(self._prior - 0.5 * (error * error / variance + np.log(variance / variance[0])))
+
+
+def lag_prior(tau: float, timing_std: float) -> tuple[float, float]:
+    """
+    Return the prior of the lag.
+
+    tau: lag that is compensated already [s]; NaN: none
+    timing_std: `synchronisation.timing_std` [s]
+    Returns mean, std: of what is left [s]
+    """
+    return (0.0, 0.1 * timing_std) if tau == tau else (1.2 * timing_std, timing_std)
+
+
+_FAR = 40.0
+"""Log odds against a moving wall, from which it starts anew from what is known."""
+
+
+class MovingWall:
+    """
+    The Gram matrix of a wall with s(t) = -K delta(t), delta a random walk, and its odds.
+
+    A step w of the surface with variance Q takes from the matrix what it tells of s before: the
+    Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
+    log(1 + Q g_s) / 2.
+
+    gram (15, 15): of all blocks
+    """
+
+    def __init__(self) -> None:
+        self.gram = np.zeros((COLUMNS, COLUMNS))
+        self._norm = self._gap = 0.0
+
+    def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
+        """Walk for a time [s], K being about the scale [N/m], and add a block."""
+        walk, known = (scale * WALL_WALK) ** 2 * seconds, self.gram * fade
+        column = known[ONE]
+        known -= np.outer(column, column) / (1.0 / walk + column[ONE])
+        self._norm = fade * self._norm - 0.5 * log(1.0 + walk * column[ONE])
+        self.gram = known + gram
+        self._gap *= fade
+
+    def move(self, table: Array) -> None:
+        """Move the reference of all columns; see `shifted_table`."""
+        self.gram = table @ self.gram @ table.T
+
+    @property
+    def prior(self) -> float:
+        """Log odds to be added to its evidence."""
+        return float(LOG_PRIOR[MOVING]) + self._norm + self._gap
+
+    def restart(self, gram: Array, gap: float) -> None:
+        """Go on from the wall at rest, at log odds against it that are kept."""
+        self.gram, self._norm = gram.copy(), 0.0
+        self._gap = max(gap, -_FAR)
+
+    def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
+        """Start anew from the wall at rest, whose log odds are given, if all speaks against it."""
+        if gap < -_FAR:
+            self.restart(gram, -_FAR)
+            self._gap += rest - float(LOG_PRIOR[MOVING])

@@ -1,0 +1,338 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""
+The checks of a session on the last blocks of samples, judged every half second or two seconds.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections import deque
+from functools import partial
+from math import inf, nan
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .check import Array, bias_of, BLOCKS, Check, Evidence, Forces, Warned
+from .force_checks import (
+    ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
+    Surface, SurfaceShifted, SurfaceUnchecked)
+from .lag_checks import StampSkew, StampSkewOrMass
+from .stream_checks import (
+    JointRate, JointStill, JointUnits, JointVelocity, PositionUnit, SampleRate, StampBursts,
+    TwoForces, TwoPositions, ZeroSteps)
+from ..parameters import EstimationParameters
+from ...estimators.estimate import AxesEstimates, Estimate, EstimateStatus
+from ...signals.contact_sample import AxesSample
+
+
+_BLOCK_S = 0.5
+_LEAST_BLOCK = 25  # samples
+_KEPT = 50_000  # wrenches and joint stamps while no sample comes
+FREE = EstimateStatus.FREE
+"""An enumeration takes long to look up."""
+
+
+class Pending:
+    """
+    Rows of numbers that wait for their block.
+
+    width: numbers a row; the first is a stamp [ns]
+    """
+
+    def __init__(self, width: int) -> None:
+        self._width, self.numbers = width, array('d')
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.numbers) // self._width
+
+    def append(self, row: Iterable[float]) -> None:
+        """Add a row."""
+        self.numbers.extend(row)
+        if len(self.numbers) > _KEPT * self._width:
+            del self.numbers[:_KEPT // 2 * self._width]
+
+    def extend(self, *columns: NDArray[Any]) -> None:
+        """Add many rows."""
+        self.numbers.frombytes(np.stack(columns, axis=1, dtype=float).tobytes())
+
+    def drop(self, count: int) -> None:
+        """Take back the last rows."""
+        del self.numbers[len(self.numbers) - count * self._width:]
+
+    def clear(self) -> None:
+        """Forget all rows."""
+        del self.numbers[:]
+
+    @property
+    def table(self) -> Array:
+        """Return all rows, shape (N, width)."""
+        return np.array(self.numbers).reshape(-1, self._width)
+
+    def until(self, end_ns: float) -> Array:
+        """Return and forget the rows before the first one that is stamped later."""
+        table = self.table
+        later = np.flatnonzero(table[:, 0] > end_ns)
+        count = int(later[0]) if len(later) else len(table)
+        del self.numbers[:count * self._width]
+        return table[:count]
+
+
+class EvidenceWindow:
+    """The last two seconds of every axis, block by block; attributes as of `InputChecks`."""
+
+    def __init__(self, pipelines: Mapping[str, Any]) -> None:
+        self._axes = tuple(pipelines)
+        self.joint_stamps, self.wrenches = Pending(1), Pending(4)
+        self.samples = [Pending(5) for _ in self._axes]
+        self.reset()
+        self.restart(0.0)
+
+    def add_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
+        estimates: Sequence[Sequence[Estimate]],
+    ) -> None:
+        """Add many samples: position, rate and force of each axis, and its estimates."""
+        for pending, own, found in zip(self.samples, columns, estimates):
+            pending.extend(stamps_ns, *own, np.array([one[7] is not FREE for one in found]))
+
+    def reset(self) -> None:
+        """Forget how far the axes have moved and what they have pressed with."""
+        self._travel = {axis: (inf, -inf) for axis in self._axes}
+        self._pressing = {axis: -inf for axis in self._axes}
+
+    def restart(self, sample_rate: float) -> None:
+        """Start a new window, as after a clock jump: stamps to come are from before it."""
+        self.block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
+        self.joint_stamps.clear()
+        self.wrenches.clear()
+        self._windows: dict[str, deque[Array]] = {
+            axis: deque(maxlen=BLOCKS) for axis in self._axes}
+        self._others: deque[Array] = deque(maxlen=BLOCKS)
+        self._memory: dict[str, dict[str, Any]] = {axis: {} for axis in self._axes}
+        self._joint_rate, self._block_end_ns = nan, 0
+        for pending in self.samples:
+            pending.clear()
+
+    def most(self, axis: str) -> tuple[float, float]:
+        """Return the greatest position [m] and pressing force [N] of an axis so far."""
+        x, _, force = self.samples[self._axes.index(axis)].table[:, 1:4].T
+        return (max([self._travel[axis][1], *x.tolist()]),
+                max([self._pressing[axis], *(-force).tolist()]))
+
+    def close_block(self, end_ns: int) -> None:
+        """Turn the samples of the block, which ends at a stamp, into arrays; start the next."""
+        for pending, axis in zip(self.samples, self._axes):
+            table = pending.until(inf).T  # stamp, position, rate, force, whether in contact
+            low, high = self._travel[axis]
+            x = table[1]
+            self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))
+            self._pressing[axis] = max(self._pressing[axis], -float(table[3].min()))
+            self._windows[axis].append(table)
+        self._others.append(self.wrenches.until(end_ns))
+        joints = len(self.joint_stamps.until(end_ns))
+        begin_ns, self._block_end_ns = self._block_end_ns, end_ns
+        self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
+
+    def evidence(
+        self, axis: str, parameters: EstimationParameters, pipeline: Any,
+        joints: Sequence[float], limits: Mapping[int, tuple[str, float, float]],
+    ) -> Evidence:
+        """Return the evidence of an axis; parameters as of `Evidence`."""
+        stamps, x, v, force, touching = np.concatenate(self._windows[axis], axis=1)
+        low, high = self._travel[axis]
+        table = np.concatenate(self._others)
+        begin = stamps[0]
+        return Evidence(
+            axis, parameters, pipeline, (stamps - begin) * 1e-9, x, v,
+            force - bias_of(axis, parameters, pipeline),
+            touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
+
+    def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
+        """Return the components of the wrench that no axis estimates."""
+        if not len(table):
+            return ()
+        position = np.interp(table[:, 0], stamps, x)
+        return tuple(Forces(other, table[:, 1 + place], position)
+                     for place, other in enumerate('xyz') if other not in self._axes)
+
+
+CHECKS: tuple[Check, ...] = (
+    TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
+    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), ForceDirection(),
+    Surface(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
+    ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
+    SurfaceUnchecked(),
+)
+"""Every check of an axis, in the order of importance; the first active one is the headline."""
+
+_QUIET = 8  # judgements in a row that find nothing, from which half as many are enough
+_RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
+
+
+class Found(NamedTuple):
+    """A warning of the past or present."""
+
+    warned: Warned  # with its last text
+    # first_ns, last_ns: stamps of the first and the last judgement that found it [ns]
+    first_ns: int
+    last_ns: int
+
+
+class InputChecks:
+    """
+    Let `CHECKS` judge the evidence, and withhold estimates that they invalidate.
+
+    Judgements fall at fixed counts of samples.
+
+    joint_stamps: stamps of joint states to come [ns]; the session appends to it
+    wrenches: stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to
+    it
+    due: number of samples of a block after which there is something to judge
+    joints, limits: of an arm, the last positions of its joints and, by place, names and limits of
+    those that turn [rad]; the inputs set both
+    found: by check and axis, every warning since the start or `reset`
+    """
+
+    def __init__(
+        self, parameters: EstimationParameters, pipelines: Mapping[str, Any]
+    ) -> None:
+        self._p, self._pipelines = parameters, pipelines
+        self._window = EvidenceWindow(pipelines)
+        self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
+        self.joints: Sequence[float] = ()
+        self.limits: Mapping[int, tuple[str, float, float]] = {}
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all evidence and all warnings."""
+        self.found: dict[tuple[str, str], Found] = {}
+        self._window.reset()
+        self._clear()
+
+    def _clear(self) -> None:
+        self._active: dict[tuple[str, str], tuple[str, int]] = {}  # text, judgements in a row
+        for pipeline in self._pipelines.values():
+            pipeline.invalid = ''
+        self.restart()
+
+    def restart(self) -> None:
+        """Start a new window, as after a clock jump; warnings stay."""
+        self._window.restart(self._p.sample_rate)
+        # One after each sample: all at once would take longer than its period.
+        self._waiting: deque[Callable[[], object]] = deque()
+        self.due = self._window.block
+        self._stamp_ns = 0  # of the evidence
+        self._quiet = self._blocks = 0  # judgements that found nothing, blocks since the last one
+
+    def configure(self, parameters: EstimationParameters) -> None:
+        """Set new parameters; warnings that depend on them are judged afresh."""
+        old, self._p = self._p, parameters
+        if any(getattr(parameters, name) != getattr(old, name) for name in _RELEVANT):
+            self._clear()
+        elif parameters.sample_rate != old.sample_rate:
+            self.restart()
+
+    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
+        """Add a sample; judge the next check that waits, or begin with a complete block."""
+        samples = self._window.samples
+        for pending, sample, estimate in zip(samples, axes, estimates):
+            pending.numbers.extend((*sample, estimate[7] is not FREE))
+        if len(samples[0].numbers) >= 5 * self.due:
+            self._judge_next(axes[0][0])
+
+    def add_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
+        estimates: Sequence[Sequence[Estimate]],
+    ) -> None:
+        """
+        Add samples as `add` does one by one.
+
+        stamps_ns (N,): stamps [ns]; N is at most `room`
+        columns (N,): position [m], rate [m/s] and force [N], for each axis
+        """
+        self._window.add_many(stamps_ns, columns, estimates)
+        if not self.room:
+            self._judge_next(int(stamps_ns[-1]))
+
+    @property
+    def room(self) -> int:
+        """Return the number of samples after which there is something to judge."""
+        return max(self.due - len(self._window.samples[0]), 0)
+
+    def _judge_next(self, stamp_ns: int) -> None:
+        """Judge a check that waits, or collect the evidence of a block that ends at a stamp."""
+        if self._waiting:
+            self._waiting.popleft()()
+        else:
+            self._stamp_ns = stamp_ns
+            self._window.close_block(stamp_ns)
+            self._blocks += 1
+            # The window holds four blocks: each sample is judged at least once.
+            if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):
+                self._blocks, self._quiet = 0, 0 if self._active else self._quiet + 1
+                self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
+        self.due = len(self._window.samples[0]) + 1 if self._waiting else self._window.block
+
+    def _collect(self, axis: str) -> None:
+        seen = self._window.evidence(
+            axis, self._p, self._pipelines[axis], self.joints, self.limits)
+        for check in CHECKS:
+            self._waiting.extend(partial(stage, seen) for stage in check.stages)
+            self._waiting.append(partial(self._judge, seen, check))
+
+    def warnings(self) -> list[Warned]:
+        """Return the active warnings, the most important first."""
+        active = []
+        for check in CHECKS:
+            for axis, pipeline in self._pipelines.items():
+                text = self._text(check, axis)
+                if check.of_state:
+                    text = check.judge(Evidence.of_state(axis, self._p, pipeline)) or ''
+                if text:
+                    where = f'axis {axis}: ' if len(self._pipelines) > 1 else ''
+                    active.append(Warned(check.name, axis, where + text, check.invalidates))
+        return active
+
+    def ordered_warnings(self) -> list[Found]:
+        """Return every warning since the start or `reset`, the most important first."""
+        order = [check.name for check in CHECKS]
+        return sorted(self.found.values(), key=lambda one: order.index(one.warned.name))
+
+    def explain_no_contact(self, axis: str) -> str:
+        """Return what forces and positions there were instead of a contact."""
+        deepest, pressing = self._window.most(axis)
+        pipeline = self._pipelines[axis]
+        return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
+                f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, where '
+                f'environment.location is {pipeline.location:.4g} m')
+
+    def _text(self, check: Check, axis: str) -> str:
+        text, count = self._active.get((check.name, axis), ('', 0))
+        return text if count >= check.confirmations else ''
+
+    def _judge(self, seen: Evidence, check: Check) -> None:
+        with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
+            self._note(check, seen.axis, check.judge(seen))
+        if check is CHECKS[-1]:
+            invalid = [self._text(one, seen.axis) for one in CHECKS
+                       if one.invalidates and not one.of_state]
+            seen.pipeline.invalid = next(filter(None, invalid), '')
+
+    def _note(self, check: Check, axis: str, text: str | None) -> None:
+        if text is None:
+            return
+        key = check.name, axis
+        if not text:
+            self._active.pop(key, None)
+            return
+        self._active[key] = text, self._active.get(key, ('', 0))[1] + 1
+        if self._text(check, axis):
+            first_ns = self.found[key].first_ns if key in self.found else self._stamp_ns
+            self.found[key] = Found(
+                Warned(check.name, axis, text, check.invalidates), first_ns, self._stamp_ns)

@@ -1,0 +1,237 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Concealed worlds of whole arms: drawn, recorded, diagnosed blind, scored."""
+
+from __future__ import annotations
+
+from collections import Counter
+import json
+from pathlib import Path
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...diagnosis.arm.arm_recording import read_arm_recording
+from ...diagnosis.arm.conclude import diagnose_arm
+from ...diagnosis.arm.text import as_dict
+from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ...messages import encode_arm
+from ...physics.joints import JOINT_EFFECTS
+from ...plant.arm_models import arm_description, ARM_MODELS
+from ...plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm, SimulatedArm
+from ...recordings.writing import RecordingWriter
+from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory
+
+Array = NDArray[np.float64]
+Draw = Callable[['_Arm', np.random.Generator], ArmLaw]
+
+CLEAN, UNKNOWN = 'nothing', 'unknown'
+_DURATION_S, _TRIES = 30.0, 4
+_LINKS_OFF = 0.025  # standard deviation of the links' masses: nearly all within 5 %
+
+
+class _Arm(NamedTuple):
+    """An arm and its motion, which scale what is concealed."""
+
+    arm: ArmDynamics
+    motion: ArmTrajectory
+    load: Array
+
+    @property
+    def size(self) -> Array:
+        """Range of each joint's torque, a twentieth of the largest at least [N m]."""
+        span = np.ptp(self.load, axis=0)
+        return np.maximum(span, 0.05 * span.max())
+
+    def joint(self, rng: np.random.Generator) -> int:
+        """Draw a joint."""
+        return int(rng.integers(len(self.arm.joints)))
+
+    def loaded(self, rng: np.random.Generator) -> int:
+        """Draw a joint that carries a third of the largest torque."""
+        return int(rng.choice(np.flatnonzero(self.size > self.size.max() / 3.0)))
+
+
+def _payload(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a compact body at the flange, a twelfth to a fifth of what moves."""
+    mass = rng.uniform(0.08, 0.2) * float(one.arm.masses[1:].sum())
+    c = rng.uniform(0.03, 0.1, 3) * rng.choice([-1.0, 1.0], 3)
+    J = mass * ((c @ c) * np.eye(3) - np.outer(c, c) + 0.001 * np.eye(3))
+    inertia = [J[0, 0], J[0, 1], J[1, 1], J[0, 2], J[1, 2], J[2, 2]]
+    return ArmLaw('payload', [mass, *(mass * c), *inertia], len(one.arm.joints) - 1)
+
+
+def _inertia_of(one: _Arm, j: int) -> float:
+    """Return the inertia that a joint moves on average [kg m^2]."""
+    n = len(one.arm.joints)
+    return float(np.mean([one.arm.forward(q, np.zeros(n), np.zeros(n))[0][j, j]
+                          for q in one.motion.q[::200]]))
+
+
+def _rotor(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a rotor whose torque is a tenth of its joint's range at least."""
+    j = one.joint(rng)
+    fast = float(np.std(one.motion.a[:, j]))
+    return ArmLaw('reflected_inertia', [rng.uniform(0.06, 0.2) * one.size[j] / fast], j)
+
+
+def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a compliance that changes the torques of its joint by some per cent."""
+    j = one.loaded(rng)
+    return ArmLaw('joint_flexibility', [rng.uniform(0.03, 0.08) / np.abs(one.load[:, j]).max()], j)
+
+
+def _backlash(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a gap in the joint whose load changes its sign most."""
+    up = (one.load > 0.0).mean(axis=0)
+    j = int(np.argmax(np.minimum(up, 1.0 - up) * one.size))
+    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], j)
+
+
+def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+    """Draw a delay that moves 1 to 3 % of the torque."""
+    rate = np.gradient(one.load, one.motion.t, axis=0).std(axis=0) / one.load.std(axis=0)
+    return ArmLaw('force_delay', [rng.uniform(0.01, 0.03) * 2.0 / float(np.median(rate))])
+
+
+def _at(name: str, where: str, low: float, high: float, both: bool = False) -> Draw:
+    """Draw one coefficient, as a share of the range of its joint's torque."""
+    def draw(one: _Arm, rng: np.random.Generator) -> ArmLaw:
+        j = getattr(one, where)(rng)
+        size = rng.uniform(low, high) * (rng.choice([-1.0, 1.0]) if both else 1.0)
+        unit = 1.0 if name == 'force_gain' else one.size[j]
+        return ArmLaw(name, [size * unit], j, 1e-3 if name == 'coulomb_friction' else 0.0)
+    return draw
+
+
+KINDS: Mapping[str, Draw] = {
+    'coulomb_friction': _at('coulomb_friction', 'joint', 0.15, 0.3),
+    'payload': _payload,
+    'reflected_inertia': _rotor,
+    'force_bias': _at('force_bias', 'joint', 0.1, 0.25, True),
+    'force_gain': _at('force_gain', 'loaded', 0.12, 0.3, True),
+    'joint_flexibility': _flexible,
+    'backlash': _backlash,
+    'force_delay': _delay,
+    'base_tilt': lambda one, rng: ArmLaw('base_tilt', [
+        float(sign * np.radians(rng.uniform(1.5, 4.0))) for sign in rng.choice([-1, 1], 2)]),
+    'joint_spring': _at('joint_spring', 'loaded', 0.06, 0.2),
+}
+"""What is concealed, beside nothing, and a torque that is no function of the state."""
+
+
+def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[str, Any]]:
+    """Return description, recording and truth of one world."""
+    rng = np.random.default_rng((seed, number))
+    name = list(ARM_MODELS)[(number + number // (len(KINDS) + 2)) % len(ARM_MODELS)]
+    urdf = arm_description(name)
+    arm = ArmDynamics(urdf)
+    n = len(arm.joints)
+    motion = exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES)
+    one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
+    links = np.clip(1.0 + _LINKS_OFF * rng.normal(size=n), 0.95, 1.05)
+    true = arm.with_parameters(arm.neutral * np.repeat(links, PER_LINK))
+    laws = [ArmLaw('coulomb_friction', [share], j, 1e-3)
+            for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
+    laws += [ArmLaw('viscous_friction', [share], j)
+             for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
+    laws += [ArmLaw('force_bias', [zero], j)
+             for j, zero in enumerate(rng.normal(size=n) * 0.005 * one.size)]
+    truth: dict[str, Any] = {'kind': kind, 'arm': name, 'effects': []}
+    extra = None
+    if kind in KINDS:
+        law = KINDS[kind](one, rng)
+        laws.append(law)
+        place = law.place
+        truth['effects'] = [{'name': kind, 'family': JOINT_EFFECTS[kind].family,
+                             'place': None if place is None or kind == 'payload'
+                             else arm.joints[place],
+                             'parameters': [float(x) for x in law.theta]}]
+    elif kind == UNKNOWN:
+        j = one.joint(rng)
+        t, extra = motion.t, np.zeros_like(motion.q)
+        tones = rng.uniform(0.15, 0.9, 6)
+        wave = sum(np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0)) for f in tones)
+        extra[:, j] = rng.uniform(0.1, 0.2) * one.size[j] * wave / np.std(wave)
+        truth['effects'] = [{'name': UNKNOWN, 'place': arm.joints[j]}]
+    sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
+                         rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
+    return urdf, simulate_arm(true, motion, laws, sensors, number, extra), truth
+
+
+def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
+    """Write joint states as an .mcap file; the parameters are those of `SimulatedArm`."""
+    path.unlink(missing_ok=True)
+    with RecordingWriter.file(path) as writer:
+        for t, q, v, tau in zip(states.t, states.q, states.v, states.tau):
+            stamp = round(1e9 * t)
+            writer.write('joint_states', 'sensor_msgs/msg/JointState',
+                         encode_arm(stamp, joints, q, v, tau), stamp)
+
+
+def run_arm_trials(
+    folder: Path, count: int, seed: int, progress: Callable[[float, str], None],
+    only_write: bool = False,
+) -> list[dict[str, Any]]:
+    """Draw worlds, diagnose them blind, and score; what is in the folder already is used again."""
+    given, sealed, reports = (folder / name for name in ('handed_over', 'sealed', 'reports'))
+    for one in (given, sealed, reports):
+        one.mkdir(parents=True, exist_ok=True)
+    kinds, outcomes = [*KINDS, CLEAN, UNKNOWN], []
+    for k in range(count):
+        kind, stem = kinds[k % len(kinds)], f'arm_{seed}_{k:03d}'
+        recording, urdf = given / f'{stem}.mcap', given / f'{stem}.urdf'
+        truth, report = sealed / f'{stem}.json', reports / f'{stem}.json'
+        progress(k / count, stem)
+        if not truth.exists():
+            text, states, drawn = _drawn(kind, k, seed)
+            urdf.write_text(text)
+            write_arm_recording(recording, ArmDynamics(text).joints, states)
+            truth.write_text(json.dumps(drawn, indent=1) + '\n')
+        if only_write:
+            continue
+        if not report.exists():
+            found = diagnose_arm(read_arm_recording(recording), urdf.read_text())
+            report.write_text(json.dumps(as_dict(found), indent=1) + '\n')
+        outcomes.append(scored(
+            json.loads(truth.read_text()), json.loads(report.read_text()), stem))
+    return outcomes
+
+
+def scored(truth: Mapping[str, Any], report: Mapping[str, Any], world: str) -> dict[str, Any]:
+    """Score a report: the first name beyond friction, which every arm has, by family and place."""
+    beyond = [one for one in report['effects'] if one['family'] != 'friction']
+    friction = [one for one in report['effects'] if one['family'] == 'friction']
+    wanted = truth['effects'][0] if truth['effects'] else None
+    first = beyond[0] if beyond else None
+    if wanted is None:
+        outcome = 'accused' if first or report['verdict'] == 'unexplained' else 'right'
+    elif wanted['name'] == UNKNOWN:
+        bad = [one['name'] for one in report['joints'] if one['verdict'] == 'unexplained']
+        outcome = 'right' if wanted['place'] in bad else 'wrong' if first else 'silent'
+    elif first is None and wanted['family'] != 'friction':
+        outcome = 'silent'
+    else:
+        first = first or (friction[0] if friction else {'family': '', 'joints': [], 'link': None})
+        place = wanted['place'] in (None, *first['joints'])
+        outcome = 'right' if first['family'] == wanted['family'] and place else 'wrong'
+    named = [f'{one["name"]} at {one["place"]}' for one in (beyond or friction[:1])]
+    return {'world': world, 'kind': truth['kind'], 'outcome': outcome, 'named': named,
+            'place': wanted and wanted['place'], 'arm': truth['arm'], 'verdict': report['verdict']}
+
+
+def arm_text(outcomes: Sequence[Mapping[str, Any]]) -> str:
+    """Return a table of outcomes by what was concealed, and the worlds that were not right."""
+    lines = [f'{"concealed":<20}{"worlds":>7}{"right":>7}{"wrong":>7}{"silent":>8}{"accused":>9}']
+    kinds = list(dict.fromkeys(one['kind'] for one in outcomes))
+    for kind in [*kinds, 'all']:
+        some = [one for one in outcomes if kind in ('all', one['kind'])]
+        counts = Counter(one['outcome'] for one in some)
+        lines.append(f'{kind:<20}{len(some):>7}{counts["right"]:>7}{counts["wrong"]:>7}'
+                     f'{counts["silent"]:>8}{counts["accused"]:>9}')
+    missed = [one for one in outcomes if one['outcome'] != 'right']
+    lines += [f'{one["world"]} ({one["arm"]}): {one["kind"]} at {one["place"]}, {one["outcome"]}: '
+              f'{one["verdict"]}, {", ".join(one["named"]) or "no name"}' for one in missed]
+    return '\n'.join(lines)
