@@ -17,9 +17,11 @@ from .arm import described_in_file, kinematics_of, kinematics_of_frames
 from .arm_frames import ArmFrames
 from .parameters import EstimationParameters
 from .recorded_arm import recorded_description, recorded_static
+from .tracked_zero import tracked_zero
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.moving_frames import MovingFrames, NUMBERS
+from ..kinematics.parameters import TRACKED
 from ..kinematics.robot_model import RobotModel
 from ..messages import ForceTorqueDecoder, SomeJointsDecoder, TransformsDecoder
 from ..recordings import RecordingReader
@@ -60,6 +62,10 @@ def read_contact_signals(
     else:
         signals = read_signals(reader, source, axis, joint, most_samples)
         signals.wrench.values[:] *= parameters.force_sign
+    if parameters.force_sensor.zero == TRACKED:
+        wrench, motion = signals.wrench, signals.joint_states
+        x = np.interp(wrench.stamp_ns, motion.stamp_ns, motion.values[0])
+        wrench.values[0] -= tracked_zero(wrench.stamp_ns, x, wrench.values[0], parameters)
     if not source.tare:
         return signals
     tare = tare_of(1e-9 * (signals.wrench.stamp_ns - signals.wrench.stamp_ns[0]),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .compensated_sample import CompensatedSample, SampleCompensation
 from .contact_sample import ContactSample
+from .zero_tracking import ZeroTracker
 from ..parameters.specification import parameter, ParameterGroup
 
 Array = NDArray[np.float64]
@@ -47,18 +48,23 @@ class Conditioner:
     ----------
     sample_rate : float
         Nominal [Hz].
+    tracks_zero : bool
+        Whether the bias follows the force of free flight.
 
     Attributes
     ----------
     bias : float
         Force that is subtracted from the measured F_e [N].
+    tracker : ZeroTracker or None
+        Of the change of the bias since the last tare.
     compensation : SampleCompensation or None
         Of the known physics.
 
     """
 
-    def __init__(self, sample_rate: float) -> None:
+    def __init__(self, sample_rate: float, tracks_zero: bool = False) -> None:
         self.bias = 0.0
+        self.tracker = ZeroTracker() if tracks_zero else None
         self.compensation: SampleCompensation | None = None
         self.configure(sample_rate)
 
@@ -71,6 +77,11 @@ class Conditioner:
         """Start afresh with the next sample, as after a clock jump."""
         self._last_ns, self._position = -1, nan
         self._free: deque[float] = deque(maxlen=max(2, round(_TARE_S / self._T)))
+
+    @property
+    def offset(self) -> float:
+        """Return what is subtracted now: the bias and its change as tracked [N]."""
+        return self.bias if self.tracker is None else self.bias - self.tracker.zero
 
     def take(
         self, sample: ContactSample, location: float
@@ -96,7 +107,9 @@ class Conditioner:
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
         dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
-        pressing = self.bias - force
+        if self.tracker is not None:
+            self.tracker.predict(dt)
+        pressing = self.offset - force
         if self.compensation is None:
             return dt, pressing, None
         return dt, pressing, self.compensation.take(sample, location, pressing)
@@ -134,7 +147,7 @@ class Conditioner:
 
     def tare(self) -> str:
         """Set the bias to the mean force of the last half second of free flight; say so."""
-        self.set_bias(self.bias - sum(self._free) / len(self._free))
+        self.set_bias(self.offset - sum(self._free) / len(self._free))
         return f'force bias is now {self.bias:.6g} N'
 
     def tare_refusal(self, contact: bool, location: float, margin: float) -> str:
@@ -163,3 +176,5 @@ class Conditioner:
         """Set the force that is subtracted from the measured F_e [N]."""
         self.bias = bias
         self._free.clear()
+        if self.tracker is not None:
+            self.tracker = ZeroTracker()

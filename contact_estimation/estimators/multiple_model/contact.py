@@ -113,6 +113,11 @@ class ContactFilter:
         self.level, self.level_variance = level, variance
 
     @property
+    def is_quiet(self) -> bool:
+        """Whether the tool is free without any sign of a touch."""
+        return self.state == FREE and self._up < 0.25 * TOUCH and self._down < 0.5 * TOUCH
+
+    @property
     def probability(self) -> float:
         """Probability of contact, by the log odds that the present test has collected."""
         odds = 2.0 * SHIFT * ((RELEASE - self._down) if self.state == CONTACT
