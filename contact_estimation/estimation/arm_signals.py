@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arm import described_in_file, kinematics_of, kinematics_of_frames
+from .arm_efforts import EffortDecoder
 from .arm_frames import ArmFrames
 from .parameters import EstimationParameters
 from .recorded_arm import recorded_description, recorded_static
@@ -21,7 +22,7 @@ from .tracked_zero import tracked_zero
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.moving_frames import MovingFrames, NUMBERS
-from ..kinematics.parameters import TRACKED
+from ..kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ..kinematics.robot_model import RobotModel
 from ..messages import ForceTorqueDecoder, SomeJointsDecoder, TransformsDecoder
 from ..recordings import RecordingReader
@@ -97,9 +98,15 @@ def read_arm_signals(
         source.wrench: wrenches.decode, motion_topic: motions,
         source.reference_trajectory: reference_rows(''),
     }
-    wrench, motion, reference = read_rows(
-        reader, source, decode, (6, 2 * count, 4), most_samples)
-    frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
+    if parameters.wrench_source == JOINT_EFFORTS:
+        del decode[source.wrench]
+        both, reference = read_rows(reader, source, decode, (6 + 2 * count, 4), most_samples)
+        wrench, motion = (Signal(both.stamp_ns, both.values[part])
+                          for part in (slice(6), slice(6, None)))
+    else:
+        wrench, motion, reference = read_rows(
+            reader, source, decode, (6, 2 * count, 4), most_samples)
+        frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
     usable, at_wrenches = _interpolated(
         motion, wrench.stamp_ns, parameters.synchronisation.maximum_gap_s)
     if not usable.any():
@@ -127,6 +134,14 @@ def _from_joints(
     description = described_in_file(parameters) or recorded_description(reader, source)
     arm = kinematics_of(parameters, description)
     assert isinstance(arm.model, RobotModel)
+    if parameters.wrench_source == JOINT_EFFORTS:
+        efforts = EffortDecoder(arm, description, parameters)
+
+        def decode_both(data: bytes) -> Row | None:
+            found = efforts.decode(data)
+            return found and (found.stamp_ns, (*found.wrench, *found.motion))
+
+        return Motions(arm, source.joint_states, decode_both, len(arm.model.joint_names))
     joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
 
     def decode(data: bytes) -> Row | None:

@@ -10,12 +10,14 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from .arm_efforts import ArmEfforts
 from .arm_joints import ArmJoints
 from .arm_stage import ArmStage
 from .arm_transforms import ArmTransforms
 from .result import AxesEstimates, Result
 from .session import ContactSession
 from ..exceptions import MessageError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, WrenchDecoder
 
 _FORCES = {'x': 2, 'y': 3, 'z': 4}  # places in a WrenchReading
@@ -45,6 +47,8 @@ class MessageInputs:
         self._forces: Callable[..., Any]
         if self.arm is not None:
             self._wrench, self._forces = ForceTorqueDecoder(), itemgetter(1)
+            if isinstance(self.arm, ArmEfforts):
+                self.frame_id = session.parameters.kinematics.tip
             return
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
@@ -124,6 +128,8 @@ class MessageInputs:
 
 
 def _stage_of(session: ContactSession) -> ArmStage | None:
+    if session.parameters.wrench_source == JOINT_EFFORTS:
+        return ArmEfforts(session)
     if session.parameters.pose_source == 'tf':
         return ArmTransforms(session)
     return ArmJoints(session) if session.parameters.kinematics.tip else None

@@ -5,50 +5,53 @@
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import hypot
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..estimators.estimate import ParameterEstimate
 
-_LEAST = 1e-6  # spread of a contact that has just begun [m], [m/s]
+_FIRST = 5  # samples of contact
 
 
 class LastingError:
     """
-    Widen the deviations of K_hat and B_hat by those of an error of F_e that is no white noise.
+    Widen the deviations of K_hat and B_hat by those of errors of F_e that are no white noise.
 
-    An error e of the force changes the least-squares slope over x by cov(e, x) / var(x), which is
-    at most std(e) / std(x); so does its slope over v. This bound is the deviation that is added:
-    whether the error goes with x is not known. Spreads are those within contacts.
+    An error e of the force changes the least-squares coefficients of x and v, with an intercept
+    for each contact, by cov((x, v))^-1 cov((x, v), e). Errors of several causes, each given with the
+    course that one standard deviation of its size has, add in squares.
     """
 
     def __init__(self) -> None:
-        self.restart()
+        self._means: NDArray[np.float64] | None = None
+        self._sums: NDArray[np.float64] | None = None
+        self._own = self._count = 0
 
-    def restart(self) -> None:
-        """Forget all contacts: the wall is another."""
-        self._count, self._squares = 0, [0.0, 0.0, 0.0]  # of the force error, x and v
-        self.begin()
+    def end(self) -> None:
+        """End a contact."""
+        self._own = 0
 
-    def begin(self) -> None:
-        """Begin a contact."""
-        self._own, self._means = 0, (0.0, 0.0)
-
-    def add(self, std: float, x: float, v: float) -> None:
-        """Add a sample in contact: deviation of the error [N], x [m] and v [m/s]."""
+    def add(self, x: float, v: float, errors: Sequence[float]) -> None:
+        """Add a sample in contact: x [m], v [m/s] and each error [N]."""
+        row = np.array([x, v, *errors])
+        if self._sums is None or len(self._sums) != len(row):
+            self._sums, self._own, self._count = np.zeros((len(row),) * 2), 0, 0
+        if not self._own or self._means is None:
+            self._means = np.zeros(len(row))
         self._own += 1
         self._count += 1
-        off = x - self._means[0], v - self._means[1]
-        mean = self._means = (self._means[0] + off[0] / self._own,
-                              self._means[1] + off[1] / self._own)
-        squares = std * std, off[0] * (x - mean[0]), off[1] * (v - mean[1])
-        for place, square in enumerate(squares):
-            self._squares[place] += square
+        off = row - self._means
+        self._means = self._means + off / self._own
+        self._sums += np.outer(off, row - self._means)
 
     def widened(self, estimate: ParameterEstimate) -> ParameterEstimate:
         """Return an estimate with wider deviations; unchanged where there was no error."""
-        if not self._squares[0]:
+        if self._sums is None or self._count < _FIRST:
             return estimate
-        error, *spreads = (sqrt(square / self._count) for square in self._squares)
-        by_x, by_v = (error / max(spread, _LEAST) for spread in spreads)
-        return estimate._replace(stiffness_std=hypot(estimate.stiffness_std, by_x),
-                                 damping_std=hypot(estimate.damping_std, by_v))
+        sums = self._sums + np.diag([1e-15, 1e-12, *np.zeros(len(self._sums) - 2)])
+        by_K, by_B = np.linalg.norm(np.linalg.solve(sums[:2, :2], sums[:2, 2:]), axis=1)
+        return estimate._replace(stiffness_std=hypot(estimate.stiffness_std, by_K),
+                                 damping_std=hypot(estimate.damping_std, by_B))

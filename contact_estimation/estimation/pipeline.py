@@ -69,8 +69,8 @@ class EstimationPipeline:
         x_e as configured, or as found at the first touch [m]; NaN before.
     location_margin : float
         How far from its location the surface may be [m].
-    force_std : float
-        Deviation of an error of F_e that lasts, such as that of joint torques [N].
+    force_errors : tuple of float
+        Errors of F_e that last, such as those of joint torques, each of one deviation [N].
     invalid : str
         Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
@@ -78,7 +78,7 @@ class EstimationPipeline:
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
-        self.invalid, self.force_std = '', 0.0
+        self.invalid, self.force_errors = '', tuple[float, ...]()
         self._missing = 0  # before the present posterior
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate, p.force_sensor.zero == TRACKED)
@@ -100,7 +100,7 @@ class EstimationPipeline:
             _LEAST_NOISE * p.contact.force_noise)
         self._noted: Knowledge | None = None
         self._held_of: Knowledge | None = None
-        self._lasting, self._changes = LastingError(), 0
+        self._lasting = LastingError()
         # An estimate stays the same until hypotheses are weighed or the state of contact changes.
         self._now: Knowledge | None = None
         self._same: tuple[int, str, float] | None = None
@@ -369,7 +369,7 @@ class EstimationPipeline:
             conditioner.note_free(pressing)
             if conditioner.tracker is not None and posterior.contact.is_quiet:
                 conditioner.tracker.correct(pressing - self.free_flight_level, self.noise_std)
-        if self.force_std or conditioner.tracker is not None:
+        if self.force_errors or conditioner.tracker is not None:
             self._note_lasting(state, dt, x, v)
         if location != location:
             self._locate(state, dt, x, v, pressing)
@@ -455,18 +455,16 @@ class EstimationPipeline:
         return self._published
 
     def _note_lasting(self, state: int, dt: float, x: float, v: float) -> None:
-        """Add up what an error of the force that lasts may have done to the estimate."""
+        """Add up what errors of the force that last may have done to the estimate."""
         rate = v if v == v else (x - self._last_x) / dt if dt > 0.0 else 0.0
-        self._last_x = x
-        if self._changes != self.posterior.wall.changes:
-            self._changes = self.posterior.wall.changes
-            self._lasting.restart()
+        self._last_x, tracker = x, self._conditioner.tracker
+        if self.force_errors:
+            self.posterior.contact.expect_noise(hypot(*self.force_errors))
         if state != CONTACT:
-            self._lasting.begin()
+            self._lasting.end()
             return
-        tracker = self._conditioner.tracker
-        of_zero = tracker.zero_std * self.noise_std if tracker is not None else 0.0
-        self._lasting.add(hypot(self.force_std, of_zero), x, rate)
+        of_zero = (tracker.zero_std * self.noise_std,) if tracker is not None else ()
+        self._lasting.add(x, rate, (*self.force_errors, *of_zero))
 
     def _note_fit(self, stamp_ns: int, state: int) -> None:
         """Let the monitor judge the fit of what is known anew."""

@@ -21,7 +21,8 @@ from ..recordings.topic_names import canonical
 from ..signals.stamp_screen import BEFORE_ANY
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',
-            'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source')
+            'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source', 'wrench_source',
+            'joint_torques_std')
 BEFORE_ANY_SAMPLE = Moment(0, BEFORE_ANY)
 _FILE = 'robot_description_file'
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from ..parameters.specification import parameter, ParameterGroup
 
 AXES = ('sensor', 'base')
+TOPIC, JOINT_EFFORTS = 'topic', 'joint_efforts'
 TAKEN, TRACKED = 'taken', 'tracked'
 
 

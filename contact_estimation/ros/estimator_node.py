@@ -35,6 +35,7 @@ from ..estimation.result import Result
 from ..estimation.session import ContactSession
 from ..estimation.target_pose import check_target_pose, target_pose
 from ..exceptions import MessageError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -108,7 +109,10 @@ class EstimatorNode(Node):
             AxisDescription(self, self._session, self._lock)
         if self._session.parameters.pose_source != 'tf':
             self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_motion)
-        self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
+        if self._session.parameters.wrench_source == JOINT_EFFORTS:
+            self._use_frame(self._inputs.frame_id)
+        else:
+            self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
         self._thread = DataThread(data, self._diagnostics.failed)
 
     def _subscribe_raw(
@@ -138,6 +142,8 @@ class EstimatorNode(Node):
             self._publish(results)
 
     def _on_motion(self, raw: bytes) -> None:
+        if self._session.parameters.wrench_source == JOINT_EFFORTS:
+            self._diagnostics.arrived()
         with self._lock:
             self._publish(self._inputs.process_motion(raw))
             if self._arm_topics is not None and self._arm_topics.has_news:

@@ -89,6 +89,10 @@ class ContactFilter:
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
 
+    def expect_noise(self, least: float) -> None:
+        """Set the least standard deviation of the force, which may change with the motion [N]."""
+        self._least = least * least
+
     def start(self, force: NDArray[np.float64], free: bool) -> None:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
         squares = np.sort(np.square(np.diff(force, 2)))[:-1]  # an outlier makes one large
