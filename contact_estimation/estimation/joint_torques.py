@@ -16,8 +16,8 @@ both are stamped with its middle: a wall that obeys eq. (3) does so for averages
 lag. Windows do not overlap, so that their noise is white.
 
 f(q') = F_c sgn(q') + B q' are friction and damping of the robot description, the rotors' inertia
-is in M; `diagnose --nominal-robot --write-urdf` finds all three. The wrench w at the contact point is
-the mean of its posterior given tau_ext = J^T w + e, a damped pseudo-inverse of J^T:
+is in M; `diagnose --nominal-robot --write-urdf` finds all three. The wrench w at the contact point
+is the mean of its posterior given tau_ext = J^T w + e, a damped pseudo-inverse of J^T:
 
     w = (J S^-1 J^T + P^-1)^-1 J S^-1 tau_ext
 

@@ -21,8 +21,8 @@ class LastingError:
     Widen the deviations of K_hat and B_hat by those of errors of F_e that are no white noise.
 
     An error e of the force changes the least-squares coefficients of x and v, with an intercept
-    for each contact, by cov((x, v))^-1 cov((x, v), e). Errors of several causes, each given with the
-    course that one standard deviation of its size has, add in squares.
+    for each contact, by cov((x, v))^-1 cov((x, v), e). Errors of several causes, each given with
+    the course that one standard deviation of its size has, add in squares.
     """
 
     def __init__(self) -> None:
