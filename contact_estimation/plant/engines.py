@@ -111,7 +111,8 @@ def drake_xml(model: PlantParameters) -> str:
     tau, modulus = wall.damping / wall.stiffness, wall.stiffness * _HALF_M / _AREA_M2
     return f"""<!-- {_expressed(model, 'hunt_crossley_damping')}
      Point contact: give the collisions of tool and wall the same properties. With
-     discrete_contact_approximation "sap" relaxation_time counts, with "tamsi" and "similar" hunt_crossley_dissipation. -->
+     discrete_contact_approximation "sap" relaxation_time counts, with "tamsi" and "similar"
+     hunt_crossley_dissipation. -->
 <drake:proximity_properties>
   <drake:point_contact_stiffness>{2.0 * wall.stiffness:.10g}</drake:point_contact_stiffness>
   <drake:relaxation_time>{0.5 * tau:.10g}</drake:relaxation_time>
