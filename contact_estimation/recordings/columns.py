@@ -51,7 +51,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
-    (r'f|force|load|contact_force', 'wrench.force.x'),
+    (r'f|fn|force|load|(?:contact|normal)_force', 'wrench.force.x'),
     (r'(?:q_d|target_q)_?(\d+)', 'reference.q{0}'),
     (r'(?:x|pos|position)_(?:d|r|ref|des|desired|reference|cmd|command)|setpoint',
      'reference.x'),
@@ -158,6 +158,7 @@ def _rank_and_key(name: str) -> tuple[int, str]:
         return -1, name
     plain = re.sub(r'\W+', '_', re.sub(r'[\[(]\s*[^\d\s\[\]()]+\s*[\])]', '', name.lower()))
     plain = re.sub(r'_(s|ms|us|ns|m|mm|n|nm|rad|deg)$', '', plain.strip('_')).strip('_')
+    plain = re.sub(r'(_(?:measurement|measured|value|reading|signal|channel))+$', '', plain)
     for rank, (pattern, key) in enumerate(_NAMES):
         match = re.fullmatch(pattern, plain)
         if match:
