@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Sequence
 
 import contact_estimation as ce
+from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.estimation.inputs import MessageInputs
 from contact_estimation.estimation.joint_torques import Joints, JointTorques
@@ -121,6 +122,20 @@ def test_replay_gives_what_the_node_gives(
         recorded, '--params', recorded.with_name('arm.yaml'), '--json', summary)
     _, results = run_once()
     assert json.loads(summary.read_text())['stiffness'] == results[-1].estimate.stiffness
+
+
+def test_joint_efforts_survive_a_table(
+    recorded: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    found = []
+    Command('convert', convert, capfd)(recorded, tmp_path / 'a.csv')
+    Command('convert', convert, capfd)(tmp_path / 'a.csv', tmp_path / 'b.mcap')
+    for path in (recorded, tmp_path / 'a.csv', tmp_path / 'b.mcap'):
+        Command('replay', replay, capfd)(
+            path, '--params', recorded.with_name('arm.yaml'), '--json', tmp_path / 'a.json')
+        summary = json.loads((tmp_path / 'a.json').read_text())
+        found.append((summary['stiffness'], summary['damping'], summary['samples']))
+    assert found[0] == found[1] == found[2]
 
 
 def test_diagnosis_reads_the_same_force(recorded: Path) -> None:

@@ -47,6 +47,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
     ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
+    ('time,tau_J[0],q[0]', 'joint.q0.effort joint.q0'),
 ])
 def test_columns_are_found_by_the_names_of_common_logs(
     tmp_path: Path, header: str, keys: str
