@@ -129,6 +129,13 @@ DESCRIPTION = (
      'Start the node again.', 'published'),
 )
 
+STABILITY = (
+    ('`stability`', 'the admittance has a phase margin of 20 deg, less than 45, on this wall (it '
+     'bears 3.2e+04 N/m); raise stability.damping (B_t) to 560 N s/m',
+     'The gains of `stability.*` are too weak, or their delay too long, for K_e as estimated.',
+     'Change the gains of the controller; see [](../stable_gains.md).', 'go on'),
+)
+
 GRAPH = (
     ('`several_publishers_wrench`, `several_publishers_joint_states`',
      'A second driver, or a recording that is played beside the live one. Joint states of an arm, '
@@ -189,6 +196,7 @@ def warnings_page() -> str:
         '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
         _table(head[:4], rejected),
         '## Robot description', _table(head, DESCRIPTION),
+        '## Stability\n\nOf the node alone, with `stability.kind`.', _table(head, STABILITY),
         '## Graph\n\nOf the node alone, looked at once a second.',
         _table(head, [(name, text, *rest) for (name, *rest), text in zip(GRAPH, texts)]), LIMITS])
 

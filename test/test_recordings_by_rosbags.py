@@ -10,10 +10,10 @@ import sys
 from typing import Any
 
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.exceptions import MissingPackageError
+from contact_estimation.exceptions import MissingPackageError, RecordingError
 from contact_estimation.messages import encode_string, JointStateEncoder, WrenchEncoder
 from contact_estimation.pipeline.events import EstimationEvent, START
-from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings import RecordingReader, rosbags_file
 from core_runs import contact_samples
 import pytest
 
@@ -87,3 +87,12 @@ def test_without_rosbags_the_error_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, 'rosbags.rosbag2', None)
     with pytest.raises(MissingPackageError, match='pip install rosbags'):
         RecordingReader(bag)
+
+
+def test_a_bag_that_decompresses_to_more_than_its_limit_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag = write(tmp_path / 'bag', 'SQLITE3', 'FILE')
+    monkeypatch.setattr(rosbags_file, 'LARGEST_FILE', 1000)
+    with pytest.raises(RecordingError, match='more than the limit .* ros2 bag convert'):
+        RecordingReader(bag).topics()

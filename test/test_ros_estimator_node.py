@@ -14,7 +14,7 @@ from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import contact_samples
 import pytest
-from ros_messages import moved, session_results
+from ros_messages import Float64, moved, session_results
 from ros_peer import ESTIMATES, estimator_and_peer, Peer, PERIOD_NS
 
 pytestmark = pytest.mark.slow
@@ -89,6 +89,19 @@ def test_laws_of_the_wall_are_published_on_change_and_stand_in_the_diagnostics(
         assert sum(probabilities) == pytest.approx(1.0, abs=0.04)  # each is rounded to 0.01
     assert told[-1][0] == 'kelvin_voigt' and float(told[-1][1]) > 0.8
     assert peer.figures()['wall_law'].startswith('kelvin_voigt ')
+
+
+def test_margin_of_the_present_gains_is_published_and_warned_of(peer: Peer) -> None:
+    peer.listen('stability', Float64, 'estimator_node/stability')
+    peer.change(**{'stability.kind': 'admittance', 'stability.mass': 5.0,
+                   'stability.damping': 100.0, 'stability.delay': 0.08})
+    peer.feed(moved(LONG, peer.begin_ns))
+    peer.spin_until(lambda: any(m.data < 0.0 for m in peer.heard['stability'].values()),
+                    'a negative margin')
+    peer.spin_until(lambda: float(peer.figures().get('stability_least_damping', 'nan')) > 100.0,
+                    'the least damping')
+    peer.spin_until(lambda: any('the admittance may be unstable on this wall' in value
+                                for value in peer.figures().values()), 'the warning')
 
 
 def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:

@@ -40,11 +40,13 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('time,K_F_ext_hat_K[1],q[0]', 'wrench.force.y joint.q0'),
     ('__time,/ft/wrench/force/x,/joint_states/slide/position', 'wrench.force.x joint.slide'),
     ('Time (s),Load (N),Extension (m)', 'wrench.force.x joint.x'),
+    ('Time measurement (s),Primary load measurement (N),Extension (m)', 'wrench.force.x joint.x'),
     ('t,F,x', 'wrench.force.x joint.x'),
     ('t,force_y,current_pos_z', 'wrench.force.y joint.z'),
     ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
     ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
+    ('time,tau_J[0],q[0]', 'joint.q0.effort joint.q0'),
 ])
 def test_columns_are_found_by_the_names_of_common_logs(
     tmp_path: Path, header: str, keys: str
@@ -72,6 +74,16 @@ def test_text_of_any_habit_is_read(tmp_path: Path, text: str) -> None:
     np.testing.assert_allclose(found['t'], [0.0, 0.1])
     np.testing.assert_allclose(found['wrench.force.x'], [1.5, 2.5])
     np.testing.assert_allclose(found['joint.x'], [0.1, 0.2])
+
+
+@pytest.mark.parametrize('text', [
+    't,F,x\n"0.0","1,500.5","0.1"\n"0.1","1,000","0.2"\n',
+    't;F;x\n0,0;1.500,5;0,1\n0,1;1000;0,2\n',
+    't F x\n0.0 1,500.5 0.1\n0.1 1000 0.2\n',
+])
+def test_thousands_may_be_separated(tmp_path: Path, text: str) -> None:
+    (tmp_path / 'a.csv').write_text(text)
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1500.5, 1000.0]
 
 
 def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def test_span_may_be_given() -> None:
 
 
 @pytest.mark.parametrize('tare, text', [
-    ('soon', 'must be first-free-flight or a span .*example'), ('3:x', 'must be'),
+    ('soon', 'must be first-free-flight, tracked, or a span .*example'), ('3:x', 'must be'),
     ('30:40', 'no wrench from 30 to 40 s'), (FIRST, 'no 0.5 s in which the force is steady'),
 ])
 def test_tare_without_free_flight_is_refused(tare: str, text: str) -> None:

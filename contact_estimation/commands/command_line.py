@@ -13,6 +13,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
 from .reading_options import add_reading_options, reading_of
 from ..exceptions import ContactEstimationError, RecordingError
+from ..kinematics.parameters import TRACKED
 from ..parameters.file import read_parameter_file
 from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource
@@ -89,6 +90,8 @@ def chosen_parameters(options: Any) -> dict[str, Any]:
     chosen: dict[str, Any] = {}
     for path in options.params:
         chosen.update(read_parameter_file(path, 'estimator_node'))
+    if getattr(options, 'tare', '') == TRACKED:
+        chosen['force_sensor.zero'] = TRACKED
     return chosen
 
 

@@ -14,6 +14,7 @@ from .reading_options import add_reading_options, print_columns
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv
+from ..recordings.columns import is_effort
 from ..recordings.source import RecordingSource, TOPICS
 from ..recordings.table_file import TYPES
 from ..recordings.topic_names import canonical
@@ -60,7 +61,9 @@ def _copy(reader: RecordingReader, source: RecordingSource, output: Path) -> str
     types = {canonical(topic): kind for topic, kind in reader.topics().items()}
     names = {topic: canonical(name) for name in TOPICS
              if canonical(topic := getattr(source, name)) in types}
-    needed = {source.wrench, source.joint_states}
+    needed = {source.joint_states}
+    if not any(map(is_effort, reader.columns)) or canonical(source.wrench) in types:
+        needed.add(source.wrench)  # what is not there is an error that says what is
     messages = reader.messages(sorted(needed | set(names)))
     counts = dict.fromkeys(names.values(), 0)
     with RecordingWriter.file(output) as writer:

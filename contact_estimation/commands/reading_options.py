@@ -10,6 +10,7 @@ import argparse
 from typing import Any
 
 from ..exceptions import RecordingError
+from ..kinematics.parameters import TRACKED
 from ..recordings import RecordingReader
 from ..recordings.adaptation import STAMPS
 from ..recordings.columns import KEYS
@@ -47,9 +48,9 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
 def add_tare_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that chooses the zero of the force; the parser is extended in place."""
     parser.add_argument(
-        '--tare', default='', metavar=f'{FIRST}|A:B',
+        '--tare', default='', metavar=f'{FIRST}|A:B|{TRACKED}',
         help='zero of the force: its median in the first free flight, or from A to B s after the '
-        'first wrench (default: as recorded)',
+        'first wrench, or tracked in each free flight (default: as recorded)',
     )
 
 
@@ -70,4 +71,4 @@ def reading_of(options: Any) -> dict[str, Any]:
         columns[signal] = column
     return {'columns': columns, 'units': tuple(filter(None, options.units.split(','))),
             'stamps': options.stamps, 'wrench_field': options.wrench_field,
-            'tare': getattr(options, 'tare', '')}
+            'tare': tare if (tare := getattr(options, 'tare', '')) != TRACKED else ''}

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from typing import Any, Sequence
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,9 @@ class ArmDynamics:
     neutral : ndarray, shape (10 n,)
         Parameters of all links of the description, see `PER_LINK`; what a locked joint carries
         belongs to the link below.
+    friction, damping, armature : ndarray, shape (n,)
+        Of the joints, as <dynamics> of the description has them [N m], [N m s/rad], [kg m^2]; 0
+        where it has not. No method but `momentum` uses the armature.
     model, data : pinocchio.Model, pinocchio.Data
         As of Pinocchio.
 
@@ -63,6 +67,7 @@ class ArmDynamics:
         self.links = tuple(_moved_link(self.model, k + 1) for k in range(len(self.joints)))
         self.neutral: Array = np.concatenate(
             [one.toDynamicParameters() for one in list(self.model.inertias)[1:]])
+        self.friction, self.damping, self.armature = _drives(urdf, self.joints)
         self._zero = pin.neutral(self.model)
         self._turns = self.model.nq != self.model.nv
 
@@ -130,6 +135,25 @@ class ArmDynamics:
         M = np.triu(M) + np.triu(M, 1).T
         return M, pin.nonLinearEffects(self.model, self.data, x, v) + drag
 
+    def momentum(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """
+        Return the generalised momentum and its rate at one instant.
+
+        Returns
+        -------
+        p : ndarray, shape (n,)
+            (M + diag(armature)) q'.
+        rate : ndarray, shape (n,)
+            C^T q' - g: p' without the torques on the joints, since M' = C + C^T [N m].
+
+        """
+        pin, x = self._library, self.configuration(q)
+        M = pin.crba(self.model, self.data, x)
+        M = np.triu(M) + np.triu(M, 1).T
+        C = pin.computeCoriolisMatrix(self.model, self.data, x, v)
+        g = pin.computeGeneralizedGravity(self.model, self.data, x)
+        return M @ v + self.armature * v, C.T @ v - g
+
     def with_parameters(self, theta: Array) -> 'ArmDynamics':
         """Return the arm with other parameters of its links, shape (10 n,)."""
         other = object.__new__(ArmDynamics)
@@ -164,6 +188,14 @@ class ArmDynamics:
 def _or_infinite(limit: Any) -> Array:
     values = np.asarray(limit, float)
     return np.where(values > 0.0, values, np.inf)
+
+
+def _drives(urdf: str, joints: Sequence[str]) -> Array:
+    """Return friction, damping and armature of joints, shape (3, n); armature as MuJoCo means."""
+    dynamics = {one.get('name'): one.find('dynamics')
+                for one in ElementTree.fromstring(urdf).findall('joint')}
+    return np.array([[0.0 if (own := dynamics.get(name)) is None else float(own.get(key, 0.0))
+                      for name in joints] for key in ('friction', 'damping', 'armature')])
 
 
 def _moved_link(model: Any, joint: int) -> str:

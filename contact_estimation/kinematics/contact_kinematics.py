@@ -164,6 +164,11 @@ class ContactKinematics:
             self._origin = fixed[1] if offset is None else fixed[1] + fixed[0] @ offset
         self.sensor = frame
 
+    @property
+    def normal(self) -> Array:
+        """Unit vector into the wall, in the base frame, shape (3,)."""
+        return self._normal
+
     def contact(self, sample: ArmSample) -> ContactSample:
         """Return motion and force along the normal."""
         stamp_ns, motion, measured = sample

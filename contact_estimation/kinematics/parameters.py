@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from ..parameters.specification import parameter, ParameterGroup
 
 AXES = ('sensor', 'base')
+TOPIC, JOINT_EFFORTS = 'topic', 'joint_efforts'
+TAKEN, TRACKED = 'taken', 'tracked'
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class KinematicsParameters(ParameterGroup):
 
 @dataclass(frozen=True)
 class ForceSensorParameters(ParameterGroup):
-    """Axes in which the wrench of an arm is measured."""
+    """Axes in which the wrench of an arm is measured, and the zero of the force."""
 
     frame: str = parameter(
         '', "Link of the force sensor; empty: the frame_id of the wrench's header", read_only=True
@@ -40,4 +42,8 @@ class ForceSensorParameters(ParameterGroup):
         'sensor', 'Axes in which the wrench is expressed: those of the sensor, or of '
         'kinematics.base, as of UR drivers that leave frame_id empty', choices=AXES,
         read_only=True,
+    )
+    zero: str = parameter(
+        TAKEN, 'Zero of the force, also without an arm: taken by a tare, or tracked in each free '
+        'flight, as of a sensor that drifts', choices=(TAKEN, TRACKED), read_only=True,
     )

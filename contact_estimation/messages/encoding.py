@@ -101,13 +101,16 @@ class TrajectoryEncoder:
 class JointRowEncoder:
     """Write several joints as JointState or JointTrajectory."""
 
-    def __init__(self, joints: Sequence[str], trajectory: bool) -> None:
+    def __init__(
+        self, joints: Sequence[str], trajectory: bool, efforts: bool = False
+    ) -> None:
         count = len(joints)
         head = _head('', *joints) + (_ONE if trajectory else b'')
         self._head = _aligned(head + count.to_bytes(4, 'little'), 8)
-        further = f'I4x{count}d' * (3 if trajectory else 1)
+        further = f'I4x{count}d' * (3 if trajectory else 2 if efforts else 1)
         self._pack = Struct(
-            f'<4siI{len(self._head)}s{count}d{further}' + ('8x' if trajectory else '4x')).pack
+            f'<4siI{len(self._head)}s{count}d{further}'
+            + ('8x' if trajectory else '' if efforts else '4x')).pack
         self._count = count
 
     def encode(self, stamp_ns: int, *rows: Sequence[float]) -> bytes:

@@ -13,6 +13,7 @@ import numpy as np
 from ..exceptions import ModelFileError, ParameterRangeError, UnknownNameError
 from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
 from ..kinematics.frame_tree import FrameTree
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..kinematics.poses import matrix_of
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import TransformModel
@@ -35,6 +36,8 @@ def check_arm(parameters: EstimationParameters) -> None:
     if abs(parameters.force_sign) != 1.0:
         raise ParameterRangeError(f'force_sign must be 1 or -1, got {parameters.force_sign:g}')
     kinematics = parameters.kinematics
+    if parameters.wrench_source == JOINT_EFFORTS:
+        _check_efforts(parameters)
     if not kinematics.tip:
         if parameters.pose_source == 'tf':
             raise ParameterRangeError(
@@ -62,6 +65,19 @@ def check_arm(parameters: EstimationParameters) -> None:
             'its joints follow from the robot description or tf, and one axis, contact.normal, '
             f'is estimated; got {", ".join(given)}'
         )
+
+
+def _check_efforts(parameters: EstimationParameters) -> None:
+    sensor, pose = parameters.force_sensor, parameters.pose_source
+    if not parameters.kinematics.tip or pose != 'joints':
+        raise ParameterRangeError(
+            'wrench_source joint_efforts needs an arm with a robot description, but '
+            f'kinematics.tip is {parameters.kinematics.tip!r} and pose_source {pose}; set '
+            'kinematics.base, kinematics.tip, contact.normal, and pose_source joints')
+    if sensor.frame or any(sensor.rpy) or sensor.axes != 'sensor':
+        raise ParameterRangeError(
+            'wrench_source joint_efforts gives the wrench in the axes of kinematics.tip; leave '
+            'out force_sensor.frame, force_sensor.rpy and force_sensor.axes')
 
 
 def kinematics_of(parameters: EstimationParameters, description: str) -> ContactKinematics:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from math import hypot, nan, sqrt
 from typing import Iterable, Mapping
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .checks.check import millimetres
 from .first_touch import FirstTouch
+from .lasting_error import LastingError
 from .parameters import EstimationParameters, include_joint_compliance, remove_robot_compliance
 from .row_estimation import RowEstimation
 from .wall_law import ModelFitMonitor
@@ -20,6 +21,7 @@ from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.multiple_model import CONTACT, FREE, Knowledge, lag_prior, LAWS, WallPosterior
+from ..kinematics.parameters import TRACKED
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
@@ -64,6 +66,8 @@ class EstimationPipeline:
         x_e as configured, or as found at the first touch [m]; NaN before.
     location_margin : float
         How far from its location the surface may be [m].
+    force_errors : tuple of float
+        Errors of F_e that last, such as those of joint torques, each of one deviation [N].
     invalid : str
         Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
@@ -71,10 +75,10 @@ class EstimationPipeline:
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
-        self.invalid = ''
+        self.invalid, self.force_errors = '', tuple[float, ...]()
         self._missing = 0  # before the present posterior
         self.model_fit = ModelFitMonitor()
-        self._conditioner = Conditioner(p.sample_rate)
+        self._conditioner = Conditioner(p.sample_rate, p.force_sensor.zero == TRACKED)
         self._robot = include_joint_compliance(p.robot, p.physics)
         self._compensate()
         self._begin()
@@ -93,6 +97,7 @@ class EstimationPipeline:
             _LEAST_NOISE * p.contact.force_noise)
         self._noted: Knowledge | None = None
         self._held_of: Knowledge | None = None
+        self._lasting = LastingError()
         # An estimate stays the same until hypotheses are weighed or the state of contact changes.
         self._now: Knowledge | None = None
         self._same: tuple[int, str, float] | None = None
@@ -116,7 +121,7 @@ class EstimationPipeline:
 
     def _await_touch(self) -> None:
         self._first_touch = FirstTouch(self._compensation.forces)
-        self._inside, self._let_go, self._x = False, False, nan
+        self._inside, self._let_go, self._x, self._last_x = False, False, nan, nan
 
     def _compensate(self) -> None:
         """Build what follows known physics; its clock, and dents, outlive a reset."""
@@ -359,6 +364,10 @@ class EstimationPipeline:
             conditioner.note_contact()
         elif not x > location - self.location_margin:
             conditioner.note_free(pressing)
+            if conditioner.tracker is not None and posterior.contact.is_quiet:
+                conditioner.tracker.correct(pressing - self.free_flight_level, self.noise_std)
+        if self.force_errors or conditioner.tracker is not None:
+            self._note_lasting(state, dt, x, v)
         if location != location:
             self._locate(state, dt, x, v, pressing)
         if known is None and self._of_rows is None:
@@ -407,9 +416,10 @@ class EstimationPipeline:
 
     @property
     def _one_by_one(self) -> bool:
-        """Return whether a stage needs samples one at a time: rows, known physics, first touch."""
-        return (self._of_rows is not None or self._conditioner.compensation is not None
-                or self.location != self.location)
+        """Return whether a stage needs samples one at a time."""
+        conditioner = self._conditioner
+        return (self._of_rows is not None or conditioner.compensation is not None
+                or conditioner.tracker is not None or self.location != self.location)
 
     def _run(
         self, stamps_ns: NDArray[np.int64], x: Array, v: Array, force: Array
@@ -441,6 +451,18 @@ class EstimationPipeline:
             self._published = self._published_of(*self._by_posterior(state), 0.0)
         return self._published
 
+    def _note_lasting(self, state: int, dt: float, x: float, v: float) -> None:
+        """Add up what errors of the force that last may have done to the estimate."""
+        rate = v if v == v else (x - self._last_x) / dt if dt > 0.0 else 0.0
+        self._last_x, tracker = x, self._conditioner.tracker
+        if self.force_errors:
+            self.posterior.contact.expect_noise(hypot(*self.force_errors))
+        if state != CONTACT:
+            self._lasting.end()
+            return
+        of_zero = (tracker.zero_std * self.noise_std,) if tracker is not None else ()
+        self._lasting.add(x, rate, (*self.force_errors, *of_zero))
+
     def _note_fit(self, stamp_ns: int, state: int) -> None:
         """Let the monitor judge the fit of what is known anew."""
         now = self.posterior.known
@@ -453,6 +475,7 @@ class EstimationPipeline:
         self, own: ParameterEstimate, status: EstimateStatus, reason: str, shift: float
     ) -> tuple[object, ...]:
         """Return the fields of an estimate after the stamp."""
+        own = self._lasting.widened(own)
         if self._robot.compliance or self._robot.compliance_std:
             own = remove_robot_compliance(own, self._robot)
         K, B, K_std, B_std, _, inertia = own
@@ -530,7 +553,8 @@ class EstimationPipeline:
         rows, now = self._of_rows, self.posterior.known
         estimator = rows.estimator
         if estimator.follows_reference and reference[0] == reference[0]:
-            estimator.observe(dt, x, rows.rate_of(dt, x, v), force - self.bias, reference)
+            estimator.observe(
+                dt, x, rows.rate_of(dt, x, v), force - self._conditioner.offset, reference)
         if state != CONTACT or not self._presses(pressing):
             self._held = rows.leave(over=state != CONTACT)
             if state == CONTACT:

@@ -11,11 +11,13 @@ from typing import Any, Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
+from .arm_efforts import ArmEfforts
 from .arm_inputs import ArmJoints, ArmStage, ArmTransforms
 from .axes import Result
 from .session import ContactSession
 from ..estimators.estimate import AxesEstimates
 from ..exceptions import MessageError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, WrenchDecoder
 from ..messages.cdr import header_stamp_ns
 from ..recordings import RecordedMessage
@@ -130,6 +132,8 @@ class MessageInputs:
         self._forces: Callable[..., Any]
         if self.arm is not None:
             self._wrench, self._forces = ForceTorqueDecoder(), itemgetter(1)
+            if isinstance(self.arm, ArmEfforts):
+                self.frame_id = session.parameters.kinematics.tip
             return
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
@@ -209,6 +213,8 @@ class MessageInputs:
 
 
 def _stage_of(session: ContactSession) -> ArmStage | None:
+    if session.parameters.wrench_source == JOINT_EFFORTS:
+        return ArmEfforts(session)
     if session.parameters.pose_source == 'tf':
         return ArmTransforms(session)
     return ArmJoints(session) if session.parameters.kinematics.tip else None

@@ -15,7 +15,8 @@ from ..estimators.estimate import ParameterEstimate
 from ..estimators.parameters import EnvironmentParameters, ExcitationParameters, TrackingParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
 from ..exceptions import ParameterRangeError
-from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters
+from ..kinematics.parameters import (
+    ForceSensorParameters, JOINT_EFFORTS, KinematicsParameters, TOPIC)
 from ..kinematics.tool_load import ToolParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import effects_that_are_on, PhysicsParameters
@@ -186,6 +187,16 @@ class EstimationParameters(ParameterGroup):
     pose_source: str = parameter(
         'joints', 'Where the pose of an arm comes from: its joints and robot description, or the '
         'transforms of tf between kinematics.base and kinematics.tip', choices=('joints', 'tf'),
+        read_only=True,
+    )
+    wrench_source: str = parameter(
+        TOPIC, 'Where the wrench comes from: its topic, or the efforts of the joint states of an '
+        'arm without a force sensor, by the masses and joint friction of its robot description',
+        choices=(TOPIC, JOINT_EFFORTS), read_only=True,
+    )
+    joint_torques_std: float = parameter(
+        0.05, 'With joint_efforts: relative standard deviation of friction and inertia of the '
+        'robot description, which widens those of K_hat and B_hat', minimum=0.0, maximum=1.0,
         read_only=True,
     )
     kinematics: KinematicsParameters = group(

@@ -13,14 +13,17 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .arm_efforts import EffortDecoder
 from .arm_kinematics import (
     ArmFrames, described_in_file, kinematics_of, kinematics_of_frames, static_of_parameters)
 from .axes import Moment
 from .events import DESCRIPTION, EstimationEvent, READY, START, STATIC
 from .parameters import EstimationParameters
+from .tracked_zero import tracked_zero
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.moving_frames import MovingFrames, NUMBERS
+from ..kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ..kinematics.robot_model import RobotModel
 from ..messages import (
     decode_string, ForceTorqueDecoder, SomeJointsDecoder, StampedTransform, TransformsDecoder)
@@ -38,7 +41,8 @@ from ..signals.stamp_screen import BEFORE_ANY
 
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',
-            'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source')
+            'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source', 'wrench_source',
+            'joint_torques_std')
 BEFORE_ANY_SAMPLE = Moment(0, BEFORE_ANY)
 _FILE = 'robot_description_file'
 
@@ -139,6 +143,10 @@ def read_contact_signals(
     else:
         signals = read_signals(reader, source, axis, joint, most_samples)
         signals.wrench.values[:] *= parameters.force_sign
+    if parameters.force_sensor.zero == TRACKED:
+        wrench, motion = signals.wrench, signals.joint_states
+        x = np.interp(wrench.stamp_ns, motion.stamp_ns, motion.values[0])
+        wrench.values[0] -= tracked_zero(wrench.stamp_ns, x, wrench.values[0], parameters)
     if not source.tare:
         return signals
     tare = tare_of(1e-9 * (signals.wrench.stamp_ns - signals.wrench.stamp_ns[0]),
@@ -169,9 +177,15 @@ def read_arm_signals(
         source.wrench: wrenches.decode, motion_topic: motions,
         source.reference_trajectory: reference_rows(''),
     }
-    wrench, motion, reference = read_rows(
-        reader, source, decode, (6, 2 * count, 4), most_samples)
-    frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
+    if parameters.wrench_source == JOINT_EFFORTS:
+        del decode[source.wrench]
+        both, reference = read_rows(reader, source, decode, (6 + 2 * count, 4), most_samples)
+        wrench, motion = (Signal(both.stamp_ns, both.values[part])
+                          for part in (slice(6), slice(6, None)))
+    else:
+        wrench, motion, reference = read_rows(
+            reader, source, decode, (6, 2 * count, 4), most_samples)
+        frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
     usable, at_wrenches = _interpolated(
         motion, wrench.stamp_ns, parameters.synchronisation.maximum_gap_s)
     if not usable.any():
@@ -199,6 +213,14 @@ def _from_joints(
     description = described_in_file(parameters) or recorded_description(reader, source)
     arm = kinematics_of(parameters, description)
     assert isinstance(arm.model, RobotModel)
+    if parameters.wrench_source == JOINT_EFFORTS:
+        efforts = EffortDecoder(arm, description, parameters)
+
+        def decode_both(data: bytes) -> Row | None:
+            found = efforts.decode(data)
+            return found and (found.stamp_ns, (*found.wrench, *found.motion))
+
+        return Motions(arm, source.joint_states, decode_both, len(arm.model.joint_names))
     joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
 
     def decode(data: bytes) -> Row | None:

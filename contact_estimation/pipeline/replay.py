@@ -14,6 +14,7 @@ from .arm_inputs import StartUp
 from .arm_kinematics import static_of_parameters
 from .events import apply_event, EstimationEvent, STATIC, TARE
 from .inputs import LateMessages, MessageInputs
+from .joint_torques import WINDOW_S
 from .parameters import EstimationParameters
 from .recorded_arm import (
     read_contact_signals, recorded_description, recorded_parameters, recorded_static,
@@ -22,6 +23,7 @@ from .session import ContactSession
 from ..estimators import ESTIMATORS
 from ..estimators.estimate import AxesEstimates
 from ..exceptions import MessageError, ParameterRangeError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
@@ -40,7 +42,11 @@ def _measured(
     reader: RecordingReader, source: RecordingSource, given: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the rate of the wrench where it is not given, and no filter if that is too low."""
-    rate = nan if 'sample_rate' in given else wrench_rate(reader, source)
+    rate = nan
+    if 'sample_rate' not in given:
+        of_efforts = given.get('wrench_source') == JOINT_EFFORTS
+        rate = wrench_rate(reader, source.joint_states if of_efforts else source.wrench)
+        rate = min(rate, 1.0 / WINDOW_S) if of_efforts else rate
     for measured in ({'sample_rate': rate}, {'sample_rate': rate, _CUTOFF: 0.0}):
         try:
             build(EstimationParameters, {**measured, **given})
@@ -72,8 +78,11 @@ class RecordingReplay:
             source.wrench: self._inputs.process_wrench,
             source.tf if of_tf else source.joint_states: self._inputs.process_motion,
         }
+        of_efforts = parameters.wrench_source == JOINT_EFFORTS
+        if of_efforts:
+            del self._process_of[source.wrench]
         # The first transform of a message stands for none of the others.
-        self._late = None if of_tf else LateMessages(
+        self._late = None if of_tf or of_efforts else LateMessages(
             source.wrench, lambda: self.session.parameters.synchronisation)
         self.tares = self._tare() if source.tare else {}
         self._references = TrajectoryDecoder(parameters.joint)

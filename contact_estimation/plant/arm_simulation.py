@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +84,7 @@ class SimulatedArm:
 
 def simulate_arm(
     arm: ArmDynamics, wanted: ArmTrajectory, laws: Sequence[ArmLaw], sensors: ArmSensors,
-    seed: int = 0, extra: Array | None = None,
+    seed: int = 0, extra: Array | Callable[[Array, Array], Array] | None = None,
 ) -> SimulatedArm:
     """
     Let an arm follow a trajectory.
@@ -104,8 +104,9 @@ def simulate_arm(
         Of the joint states.
     seed : int
         Of their noise.
-    extra : ndarray, shape (N, n), optional
-        Torque on the joints over the times of `wanted`, which no law describes [N m].
+    extra : ndarray, shape (N, n), or callable, optional
+        Torque on the joints, which no law describes [N m]: over the times of `wanted`, or of q and
+        q' of an instant, such as that of a wall.
 
     """
     body = _Body(arm, laws)
@@ -113,12 +114,13 @@ def simulate_arm(
     times = np.arange(wanted.t[0], wanted.t[-1], _STEP_S)
     q_d, v_d, u_f = (np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
                      for one in (wanted.q, wanted.v, feed))
-    pushed = np.zeros_like(u_f) if extra is None else np.stack(
+    pushed = np.zeros_like(u_f) if extra is None or callable(extra) else np.stack(
         [np.interp(times, wanted.t, column) for column in extra.T], axis=1)
     q, v, tau = (np.empty_like(u_f) for _ in range(3))
     body.start(q_d[0])
     for k in range(len(times)):
-        q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], pushed[k])
+        push = extra(body.q, body.v) if callable(extra) else pushed[k]
+        q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], push)
     return _sensed(times, q, v, tau, laws, sensors, np.random.default_rng(seed))
 
 

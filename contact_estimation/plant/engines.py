@@ -19,6 +19,7 @@ from ..exceptions import ParameterRangeError
 from ..physics import effects_that_are_on
 
 _IMPEDANCE = 1e-4  # the smallest of MuJoCo: larger ones add d / (1 - d) of the mass to the contact
+_HALF_M, _AREA_M2 = 0.02, 1e-4  # half the thickness of a hydroelastic wall, area of the tool
 _STEP_S = 2e-4  # of time in the exported MuJoCo model
 
 
@@ -88,11 +89,15 @@ def sdf_xml(model: PlantParameters) -> str:
 
 def drake_xml(model: PlantParameters) -> str:
     """
-    Return proximity properties of Drake, in SDF or URDF, for point contact.
+    Return proximity properties of Drake, in SDF or URDF, for point and hydroelastic contact.
 
     Drake combines 1/k = 1/k_1 + 1/k_2 and tau = tau_1 + tau_2. Its solver SAP computes
     F = k (delta + tau delta_dot), so that tau = B_e / K_e; TAMSI and Similar compute
-    F = k delta (1 + d delta_dot), so that d = chi / K_e of `hunt_crossley_damping`.
+    F = k delta (1 + d delta_dot), so that d = chi / K_e of `hunt_crossley_damping`. The pressure
+    in a compliant box grows linearly from 0 on its surface to the modulus E at its middle plane,
+    at half its thickness h, so that a rigid tool of area A feels k = E A / h (Elandt, Drumwright,
+    Sherman and Ruina, *A pressure field model for fast, robust approximation of net contact force
+    and moment between nominally rigid objects*, IROS 2019).
     """
     wall = model.environment
     if wall.stiffness <= 0.0:
@@ -100,13 +105,30 @@ def drake_xml(model: PlantParameters) -> str:
             f'Drake needs environment.stiffness > 0, got {wall.stiffness:g}; export a wall that '
             'repels')
     chi = _or_zero(model.physics.hunt_crossley_damping.chi)
+    tau, modulus = wall.damping / wall.stiffness, wall.stiffness * _HALF_M / _AREA_M2
     return f"""<!-- {_expressed(model, 'hunt_crossley_damping')}
-     Give the collisions of tool and wall the same properties. With discrete_contact_approximation
-     "sap" relaxation_time counts, with "tamsi" and "similar" hunt_crossley_dissipation. -->
+     Point contact: give the collisions of tool and wall the same properties. With
+     discrete_contact_approximation "sap" relaxation_time counts, with "tamsi" and "similar"
+     hunt_crossley_dissipation. -->
 <drake:proximity_properties>
   <drake:point_contact_stiffness>{2.0 * wall.stiffness:.10g}</drake:point_contact_stiffness>
-  <drake:relaxation_time>{0.5 * wall.damping / wall.stiffness:.10g}</drake:relaxation_time>
+  <drake:relaxation_time>{0.5 * tau:.10g}</drake:relaxation_time>
   <drake:hunt_crossley_dissipation>{chi / wall.stiffness:.10g}</drake:hunt_crossley_dissipation>
+</drake:proximity_properties>
+
+<!-- Hydroelastic contact instead: the wall a box, {2e3 * _HALF_M:g} mm thick, whose other sides
+     are longer, and a flat rigid tool of {1e6 * _AREA_M2:g} mm^2. The modulus is K_e h / A, with h
+     half the thickness: scale it to your wall and tool. With friction, the sides of a tool that is
+     pressed in deep add to the force. -->
+<drake:proximity_properties>
+  <drake:compliant_hydroelastic/>
+  <drake:hydroelastic_modulus>{modulus:.10g}</drake:hydroelastic_modulus>
+  <drake:relaxation_time>{tau:.10g}</drake:relaxation_time>
+  <drake:hunt_crossley_dissipation>{chi / wall.stiffness:.10g}</drake:hunt_crossley_dissipation>
+</drake:proximity_properties>
+<drake:proximity_properties>
+  <drake:rigid_hydroelastic/>
+  <drake:relaxation_time>0</drake:relaxation_time>
 </drake:proximity_properties>
 """
 

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from os import PathLike
 from pathlib import Path
 from typing import Any, Mapping, Sequence, TextIO
@@ -13,14 +14,14 @@ from typing import Any, Mapping, Sequence, TextIO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .columns import is_key, KEYS
+from .columns import is_effort, is_key, KEYS
 from .reading import RecordingReader
 from .source import RecordingSource
 from .table_file import FORCES, messages_of, RATES, TYPES
 from .topic_names import canonical
 from .writing import RecordingWriter
 from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
-from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, TrajectoryDecoder
+from ..messages import decode_arm, ForceTorqueDecoder, SeveralJointsDecoder, TrajectoryDecoder
 from ..messages.cdr import CdrCursor
 
 Signals = dict[str, NDArray[Any]]
@@ -105,7 +106,8 @@ def _checked(signals: Mapping[str, ArrayLike]) -> Signals:
         shapes = ', '.join(f'{name} {array.shape}' for name, array in arrays.items())
         raise SignalShapeError(f'signals must be arrays of one shape (N,), got {shapes}')
     for needed in ('t', 'wrench.', 'joint.'):
-        if not any(name.startswith(needed) for name in arrays):
+        has_efforts = needed == 'wrench.' and any(map(is_effort, arrays))
+        if not has_efforts and not any(name.startswith(needed) for name in arrays):
             raise RecordingError(
                 f'signals must have time, a force and a joint, got {", ".join(arrays)}; add '
                 f'{needed}{"NAME" if needed == "joint." else "force.z" * (needed != "t")}')
@@ -175,8 +177,8 @@ def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Si
 
     """
     there = {canonical(topic) for topic in reader.topics()}
-    topics = [source.wrench, source.joint_states]
-    topics += [t for t in (source.reference_trajectory,) if canonical(t) in there]
+    topics = [source.joint_states]
+    topics += [t for t in (source.wrench, source.reference_trajectory) if canonical(t) in there]
     read: dict[str, _Forces | _Joints] = {
         source.wrench: _Forces(), source.joint_states: _Joints('joint'),
         source.reference_trajectory: _Joints('reference')}
@@ -186,8 +188,8 @@ def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Si
             read[topic].add(data)
         except MessageError as error:
             refused = refused or f'; {topic}: {error}'
-    for topic in topics[:2]:
-        if not read[topic].rows:
+    for topic in topics:
+        if topic != source.reference_trajectory and not read[topic].rows:
             raise RecordingError(f'no usable message on {topic} in {reader.path}{refused}')
     stamps_ns = np.array(sorted(set().union(*(one.rows for one in read.values()))), np.int64)
     signals: Signals = {'t_ns': stamps_ns}
@@ -197,6 +199,9 @@ def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Si
         for name, column in zip(one.names, own.T):
             signals[name] = np.full(len(stamps_ns), np.nan)
             signals[name][places] = column
+    if source.wrench not in topics and not any(
+            np.isfinite(values).any() for name, values in signals.items() if is_effort(name)):
+        next(iter(reader.messages([source.wrench])))  # says what is there instead
     return signals
 
 
@@ -247,7 +252,9 @@ def _joint_rows(joints: Sequence[str]) -> Any:
 
     def decode(raw: bytes) -> tuple[int, tuple[float, ...]]:
         stamp_ns, positions, velocities = decoder.decode(raw)
-        return stamp_ns, (*positions, *velocities)
+        arm = decode_arm(raw)
+        efforts = dict(zip(arm.names or ('x',), arm.effort.tolist()))
+        return stamp_ns, (*positions, *velocities, *(efforts.get(name, nan) for name in joints))
 
     return decode
 

@@ -31,10 +31,10 @@ _UNITS = {
 
 _RATES = ('velocity', 'acceleration', 'effort')
 _KEY = re.compile(
-    r't|wrench\.(force|torque)\.[xyz]|joint\.(.+?)(\.velocity)?'
+    r't|wrench\.(force|torque)\.[xyz]|joint\.(.+?)(\.velocity|\.effort)?'
     rf'|reference\.(.+?)(\.({"|".join(_RATES)}))?')
 KEYS = ('t', 'wrench.force.x', 'wrench.torque.x', 'joint.NAME', 'joint.NAME.velocity',
-        'reference.NAME', *(f'reference.NAME.{rate}' for rate in _RATES))
+        'joint.NAME.effort', 'reference.NAME', *(f'reference.NAME.{rate}' for rate in _RATES))
 """Signals of a table; x likewise y and z."""
 
 _AXIS = {'0': 'x', '1': 'y', '2': 'z', '12': 'x', '13': 'y', '14': 'z'}  # 12: of a 4 x 4 matrix
@@ -51,7 +51,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
-    (r'f|force|load|contact_force', 'wrench.force.x'),
+    (r'f|fn|force|load|(?:contact|normal)_force', 'wrench.force.x'),
     (r'(?:q_d|target_q)_?(\d+)', 'reference.q{0}'),
     (r'(?:x|pos|position)_(?:d|r|ref|des|desired|reference|cmd|command)|setpoint',
      'reference.x'),
@@ -59,6 +59,8 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r'(?:dq|qd|actual_qd)_?(\d+)', 'joint.q{0}.velocity'),
     (r'joint_states_(.+)_position', 'joint.{0}'),
     (r'joint_states_(.+)_velocity', 'joint.{0}.velocity'),
+    (r'joint_states_(.+)_effort', 'joint.{0}.effort'),
+    (r'(?:tau_j|tau|joint_torque|joint_effort)_?(\d+)', 'joint.q{0}.effort'),
     (rf'x|{_POSITION}', 'joint.x'),
     (r'v|velocity|vel|x_dot|xdot|speed', 'joint.x.velocity'),
     (r'([yz])', 'joint.{0}'),
@@ -76,6 +78,11 @@ _NAMES: tuple[tuple[str, str], ...] = (
 def is_key(name: str) -> bool:
     """Return whether a name is that of a signal, see `KEYS`."""
     return bool(_KEY.fullmatch(name))
+
+
+def is_effort(name: str) -> bool:
+    """Return whether a name is that of a joint's torque, from which a force may be found."""
+    return name.startswith('joint.') and name.endswith('.effort')
 
 
 def signals_of_columns(
@@ -108,7 +115,8 @@ def signals_of_columns(
     sources = columns_of_signals(columns, chosen, where)
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for need, key in (('t', 't'), ('wrench.force.', 'wrench.force.z'), ('joint.', 'joint.z')):
-        if not any(found.startswith(need) for found in sources):
+        has_efforts = need == 'wrench.force.' and any(map(is_effort, sources))
+        if not has_efforts and not any(found.startswith(need) for found in sources):
             raise RecordingError(
                 f'no column for {key} found by name; {there}; choose with --columns {key}=COLUMN'
                 + (' or, without a column of time, t=500Hz' if key == 't' else ''))
@@ -158,6 +166,7 @@ def _rank_and_key(name: str) -> tuple[int, str]:
         return -1, name
     plain = re.sub(r'\W+', '_', re.sub(r'[\[(]\s*[^\d\s\[\]()]+\s*[\])]', '', name.lower()))
     plain = re.sub(r'_(s|ms|us|ns|m|mm|n|nm|rad|deg)$', '', plain.strip('_')).strip('_')
+    plain = re.sub(r'(_(?:measurement|measured|value|reading|signal|channel))+$', '', plain)
     for rank, (pattern, key) in enumerate(_NAMES):
         match = re.fullmatch(pattern, plain)
         if match:
@@ -182,7 +191,7 @@ def _general(units: Sequence[str]) -> dict[str, float]:
 
 def _factor(key: str, name: str, general: Mapping[str, float]) -> float:
     """Return the factor of a column to SI: by the unit in its name, else the general one."""
-    kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque')
+    kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque') or is_effort(key)
             else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
     unit = re.search(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]\s*$|_([a-z]+)$', name.lower())
     own = _UNITS.get((unit[1] or unit[2]) if unit else '')

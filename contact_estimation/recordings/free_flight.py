@@ -56,8 +56,8 @@ def tare_of(t: Array, force: Array, tare: str) -> Tare:
                 match.groups() if match else ('?', '?'), (0.0, float(t[-1]))))
         except ValueError as error:
             raise RecordingError(
-                f'--tare must be {FIRST} or a span of free flight A:B in seconds from the first '
-                f'wrench, got {tare!r}; example: 0.2:1.5') from error
+                f'--tare must be {FIRST}, tracked, or a span of free flight A:B in seconds from '
+                f'the first wrench, got {tare!r}; example: 0.2:1.5') from error
     inside = (t >= begin) & (t <= end)
     if not inside.any():
         raise RecordingError(

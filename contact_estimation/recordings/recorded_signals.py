@@ -93,7 +93,7 @@ def read_rows(
     most_samples: int | None = None,
 ) -> list[Signal]:
     """Read wrench, joints and reference."""
-    asked = list(decode)[:2]
+    asked = [name for name in decode if name != source.reference_trajectory]
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
@@ -110,10 +110,10 @@ def read_rows(
         for row in found if isinstance(found, list) else [found] if found else ():
             stamps[topic].append(row[0])
             rows[topic].extend(row[1])
-        if len(stamps[source.wrench]) == most_samples:
+        if len(stamps[asked[0]]) == most_samples:
             break
     signals = [stacked(stamps[name], rows[name], width) for name, width in zip(decode, widths)]
-    for name, signal in zip(asked[:2], signals):
+    for name, signal in zip(list(decode)[:-1], signals):
         if not len(signal):
             raise RecordingError(
                 f'no usable message on {name} in {reader.path}: expected finite values with '
@@ -122,17 +122,17 @@ def read_rows(
     return signals
 
 
-def wrench_rate(reader: RecordingReader, source: RecordingSource) -> float:
+def wrench_rate(reader: RecordingReader, topic: str) -> float:
     """
-    Measure the rate of the wrench from the stamps of the first wrenches.
+    Measure the rate of the wrench, or of what it comes from, by the stamps of its messages.
 
     Returns
     -------
     rate : float
-        Inverse of the median period of 2000 wrenches [Hz]; NaN where stamps do not increase.
+        Inverse of the median period of 2000 messages [Hz]; NaN where stamps do not increase.
 
     """
-    first = islice(reader.messages([source.wrench]), _RATE_SAMPLES)
+    first = islice(reader.messages([topic]), _RATE_SAMPLES)
     stamps = [header_stamp_ns(message.data) or 0 for message in first]
     period_ns = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
     return 1e9 / period_ns if period_ns > 0.0 else float('nan')

@@ -6,9 +6,13 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
+from shutil import disk_usage
+from tempfile import gettempdir
 from typing import Any, Collection, Iterator, Mapping
+
+from mcap import stream_reader
 
 from .chunk_reader import RecordedMessage
 from .mcap_summary import Summary
@@ -16,6 +20,9 @@ from .topic_names import canonical
 from ..exceptions import MissingPackageError, RecordingError
 
 _BATCH = 1000  # messages
+LARGEST_FILE = 1 << 35
+"""Of a bag that rosbag2 compressed as a whole, decompressed [bytes]: 32 GiB, several hours."""
+_BLOCK = 1 << 22
 
 
 class RosbagsFile:
@@ -41,6 +48,9 @@ class RosbagsFile:
         self.path = path
         self.position = self.damaged = self.hidden = 0
         self.summary = Summary(whole=True)
+        if path.is_dir() and stream_reader.zstandard:
+            for file in sorted(path.glob('*.zstd')):
+                _require_size(file, stream_reader.zstandard)
         with self._opened() as reader:
             self.size = max(1, int(reader.message_count))
             self._types = {str(c.topic): str(c.msgtype) for c in reader.connections}
@@ -103,3 +113,25 @@ class RosbagsFile:
                 f'rosbags cannot read recording {self.path}: {" ".join(str(error).split())}; '
                 'check that it was closed properly, or convert it with ros2 bag convert'
             ) from error
+
+
+def _require_size(file: Path, zstandard: Any) -> None:
+    """Require that a compressed file, which rosbags writes to a temporary folder, has room."""
+    folder = gettempdir()
+    free = disk_usage(folder).free
+    most, size = min(LARGEST_FILE, free), 0
+    with open(file, 'rb') as stream:
+        try:
+            for block in iter(partial(zstandard.ZstdDecompressor().stream_reader(
+                    stream, read_across_frames=True).read, _BLOCK), b''):
+                size += len(block)
+                if size > most:
+                    break
+        except zstandard.ZstdError:
+            return  # rosbags names the damage
+    if size > most:
+        limit = f'the limit of {LARGEST_FILE >> 30} GiB' if most == LARGEST_FILE else (
+            f'the {free >> 20} MiB that are free in {folder}')
+        raise RecordingError(
+            f'{file} takes more than {limit} decompressed; convert it to MCAP with chunks: '
+            'ros2 bag convert')

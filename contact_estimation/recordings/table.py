@@ -24,6 +24,7 @@ Columns = dict[str, NDArray[Any]]
 
 _HEAD = 200  # lines in which the data begin
 _DELIMITERS = (',', ';', '\t', None)  # None: spaces
+_THOUSANDS = re.compile(r'[+-]?\d{1,3}(,\d{3})+')
 _UNIT = re.compile(r'[\[(]?[a-zA-Z%/]{0,4}[\])]?')
 MOST_CELLS = 1 << 28
 """Numbers of a compressed table; 2 GiB in memory."""
@@ -157,9 +158,14 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def _number(cell: str, delimiter: str | None) -> float | None:
-    """Return the number of a cell; the decimal point may be a comma where no comma separates."""
+    """Return the number of a cell, with a point or comma for decimals, or for thousands."""
+    text = cell.strip()
+    if ',' in text and '.' in text:  # the first of the two stands for thousands
+        text = text.replace(',' if text.rfind(',') < text.rfind('.') else '.', '')
+    elif delimiter == ',' and _THOUSANDS.fullmatch(text):
+        text = text.replace(',', '')
     try:
-        return float(cell.replace(',', '.') if delimiter != ',' else cell)
+        return float(text.replace(',', '.'))
     except ValueError:
         return None
 

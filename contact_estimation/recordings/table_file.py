@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
-from .columns import columns_of_signals, signals_of_columns
+from .columns import columns_of_signals, is_effort, signals_of_columns
 from .mcap_summary import Summary
 from .source import RecordingSource
 from .table import read_columns
@@ -23,7 +23,7 @@ from ..messages import ForceTorqueEncoder, JointRowEncoder
 
 _BATCH = 5000  # rows
 FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')
-RATES = {'joint': ('velocity',), 'reference': ('velocity', 'acceleration', 'effort')}
+RATES = {'joint': ('velocity', 'effort'), 'reference': ('velocity', 'acceleration', 'effort')}
 TYPES = {'wrench': 'geometry_msgs/msg/WrenchStamped', 'joint_states': 'sensor_msgs/msg/JointState',
          'reference_trajectory': 'trajectory_msgs/msg/JointTrajectory'}
 Rows = NDArray[np.float64]
@@ -103,16 +103,21 @@ def messages_of(
     """
     force = np.array([signals.get(key, np.zeros(count)) for key in FORCES]).T
     present = [key for key in FORCES if key in signals]
-    force[np.isnan([signals[key] for key in present]).any(axis=0)] = nan
-    found: dict[str, Any] = {'wrench': (ForceTorqueEncoder('').encode, force)}
+    found: dict[str, Any] = {}
+    if present:
+        force[np.isnan([signals[key] for key in present]).any(axis=0)] = nan
+        found['wrench'] = ForceTorqueEncoder('').encode, force
     for topic, kind in (('joint_states', 'joint'), ('reference_trajectory', 'reference')):
         names = [key[len(kind) + 1:] for key in signals if key.startswith(f'{kind}.')
                  and not key.endswith(tuple('.' + rate for rate in RATES[kind]))]
         if names:
-            keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in RATES[kind]))
+            efforts = any(map(is_effort, signals))
+            rates = RATES[kind] if kind == 'reference' or efforts else ('velocity',)
+            keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in rates))
                     for name in names]
             rows = np.array([signals.get(key, np.full(count, nan)) for key in keys]).T
-            found[topic] = _joined(JointRowEncoder(names, kind == 'reference'), len(names)), rows
+            encoder = JointRowEncoder(names, kind == 'reference', efforts)
+            found[topic] = _joined(encoder, len(names)), rows
     return found
 
 

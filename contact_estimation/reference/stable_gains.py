@@ -113,14 +113,16 @@ def stable_gains(
     walls = [replace(loop, K_e=max(0.0, K_e + k * K_e_std), B_e=max(0.0, B_e + b * B_e_std))
              for k, b in product((-_BAND, 0.0, _BAND), repeat=2)]
 
-    def least_margin(B_t: float) -> float:
-        return min(replace(wall, B_t=B_t).phase_margin() for wall in walls)
+    margins = {wall: wall.phase_margin() for wall in walls}
+    walls.sort(key=margins.__getitem__)  # the first that fails decides, mostly the worst
 
-    scale = 2.0 * sqrt(M_t * (K_t + K_e))
+    def suffices(B_t: float) -> bool:
+        return all(replace(wall, B_t=B_t).phase_margin() >= phase_margin for wall in walls)
+
     return StableGains(
-        all(wall.poles_radius() < 1.0 for wall in walls), loop.phase_margin(), least_margin(B_t),
-        loop.damping_ratio(),
-        _first(lambda value: least_margin(value) >= phase_margin, scale, nan),
+        all(wall.poles_radius() < 1.0 for wall in walls), loop.phase_margin(),
+        min(margins.values()), loop.damping_ratio(),
+        _first(suffices, 2.0 * sqrt(M_t * (K_t + K_e)), nan),
         _first(lambda value: replace(loop, K_e=value).poles_radius() >= 1.0, max(K_e, 1.0), inf))
 
 

@@ -59,6 +59,9 @@ class EstimatePublishers:
         self._law = node.create_publisher(
             message_class(STRING), '~/wall_law', STATUS_QOS, qos_overriding_options=overridable())
         self._news = WallLawNews()
+        self._stability = node.create_publisher(
+            message_class(FLOAT64), '~/stability', OUTPUT_QOS,
+            qos_overriding_options=overridable())
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
         self._of_contact = node.create_publisher(
             message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)
@@ -138,6 +141,10 @@ class EstimatePublishers:
         text = self._news.take(probabilities)
         if text:
             self._law.publish(encode_string(text))
+
+    def publish_stability(self, margin: float) -> None:
+        """Publish the phase margin of the robot on the wall [deg]."""
+        self._stability.publish(encode_float64(margin))
 
     def publish_pose(self, pose: TargetPose, base: str) -> None:
         """Publish the target of an arm."""

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+from math import nan
 from threading import Lock
 import time
 from typing import Any, Callable, Mapping, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, KeyValue
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import String
@@ -24,6 +25,7 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .running import NodeLog, run_node
 from ..exceptions import MessageError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -35,6 +37,7 @@ from ..pipeline.inputs import MessageInputs
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
 from ..reference.setpoints import Desired
+from ..reference.stability_watch import OFF, STABILITY, StabilityWatch
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
 
@@ -64,6 +67,7 @@ class EstimatorNode(Node):
         self._log = NodeLog(self)
         self._kind = CHANGE
         self._last: Result | None = None
+        self._stability = StabilityWatch()
         parameters = self._session.parameters
         self._axes = ''.join(self._session.pipelines)
         self._outputs = EstimatePublishers(self, parameters.joint)
@@ -103,7 +107,10 @@ class EstimatorNode(Node):
             AxisDescription(self, self._session, self._lock)
         if self._session.parameters.pose_source != 'tf':
             self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_motion)
-        self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
+        if self._session.parameters.wrench_source == JOINT_EFFORTS:
+            self._use_frame(self._inputs.frame_id)
+        else:
+            self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
         self._thread = DataThread(data, self._diagnostics.failed)
 
     def _subscribe_raw(
@@ -133,6 +140,8 @@ class EstimatorNode(Node):
             self._publish(results)
 
     def _on_motion(self, raw: bytes) -> None:
+        if self._session.parameters.wrench_source == JOINT_EFFORTS:
+            self._diagnostics.arrived()
         with self._lock:
             self._publish(self._inputs.process_motion(raw))
             if self._arm_topics is not None and self._arm_topics.has_news:
@@ -238,12 +247,29 @@ class EstimatorNode(Node):
     def _event(self, event: EstimationEvent) -> None:
         self._events.publish(String(data=event.to_text()))
 
+    def _judge_stability(self) -> None:
+        """Publish the margin of the robot's gains on the wall as known now."""
+        robot, pipeline = self._own.stability, self._session.pipeline
+        last = self._last.estimate if self._last else None
+        margin = self._stability.take(robot, *(nan,) * 4 if last is None else (
+            last.stiffness, last.stiffness_std, last.damping, last.damping_std))
+        if robot.kind != OFF:
+            self._outputs.publish_stability(margin)
+        self._session.notices.pop(STABILITY, None)
+        text = self._stability.text(robot)
+        if text and pipeline.contact:
+            self._session.notices[STABILITY] = text
+
     def _report(self) -> None:
         self._outputs.look_for_subscribers()
+        self._judge_stability()
         with self._lock:
             estimates = self._last.estimates if self._last else ()
             now = self.get_clock().now().to_msg()
             message = self._diagnostics.message(now, self._session, estimates)
+        message.status[0].values += [
+            KeyValue(key=f'stability_{name}', value=f'{value:.6g}')
+            for name, value in self._stability.values.items()]
         self._diagnostics_publisher.publish(message)
         name, text = self._diagnostics.headline
         if text:

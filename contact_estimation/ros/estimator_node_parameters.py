@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import group, parameter, ParameterGroup
+from ..reference.stability_watch import StabilityParameters
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class EstimatorNodeParameters(ParameterGroup):
         False, 'Publish the measured pose with x_r along the normal on ~/target_pose, for '
         'Cartesian controllers of an arm (kinematics.tip)'
     )
+    stability: StabilityParameters = group(
+        StabilityParameters, 'Gains of the robot, judged on the estimated wall: ~/stability')
     dedicated_wait_set: bool = parameter(
         True, 'Serve data on a dedicated wait set; false: on the executor, as usual in rclpy',
         read_only=True,

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_sample import CompensatedSample, ContactSample, SampleCompensation
+from .zero_tracking import ZeroTracker
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -183,10 +184,13 @@ class Conditioner:
 
     sample_rate: nominal [Hz]
     bias: force that is subtracted from the measured F_e [N]
+    tracks_zero: whether the bias follows the force of free flight
+    tracker: of the change of the bias since the last tare; None without
     """
 
-    def __init__(self, sample_rate: float) -> None:
+    def __init__(self, sample_rate: float, tracks_zero: bool = False) -> None:
         self.bias = 0.0
+        self.tracker = ZeroTracker() if tracks_zero else None
         self.compensation: SampleCompensation | None = None
         self.configure(sample_rate)
 
@@ -199,6 +203,11 @@ class Conditioner:
         """Start afresh with the next sample, as after a clock jump."""
         self._last_ns, self._position = -1, nan
         self._free: deque[float] = deque(maxlen=max(2, round(_TARE_S / self._T)))
+
+    @property
+    def offset(self) -> float:
+        """Return what is subtracted now: the bias and its change as tracked [N]."""
+        return self.bias if self.tracker is None else self.bias - self.tracker.zero
 
     def take(
         self, sample: ContactSample, location: float
@@ -213,7 +222,9 @@ class Conditioner:
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
         dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
-        pressing = self.bias - force
+        if self.tracker is not None:
+            self.tracker.predict(dt)
+        pressing = self.offset - force
         if self.compensation is None:
             return dt, pressing, None
         return dt, pressing, self.compensation.take(sample, location, pressing)
@@ -242,7 +253,7 @@ class Conditioner:
 
     def tare(self) -> str:
         """Set the bias to the mean force of the last half second of free flight; say so."""
-        self.set_bias(self.bias - sum(self._free) / len(self._free))
+        self.set_bias(self.offset - sum(self._free) / len(self._free))
         return f'force bias is now {self.bias:.6g} N'
 
     def tare_refusal(self, contact: bool, location: float, margin: float) -> str:
@@ -266,3 +277,5 @@ class Conditioner:
         """Set the force that is subtracted from the measured F_e [N]."""
         self.bias = bias
         self._free.clear()
+        if self.tracker is not None:
+            self.tracker = ZeroTracker()

@@ -57,7 +57,7 @@ def corrected_urdf(d: ArmDiagnosis, urdf: str) -> str:
         dynamics = joints[name].find('dynamics')
         if dynamics is None:
             dynamics = ElementTree.SubElement(joints[name], 'dynamics')
-        for key in ('damping', 'friction'):
+        for key in ('damping', 'friction', 'armature'):
             if key in values:
                 dynamics.set(key, f'{values[key]:.6g}')
     links = {one.get('name'): one for one in root.findall('link')}

@@ -78,6 +78,10 @@ class ContactFilter:
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
 
+    def expect_noise(self, least: float) -> None:
+        """Set the least standard deviation of the force, which may change with the motion [N]."""
+        self._least = least * least
+
     def start(self, force: NDArray[np.float64], free: bool) -> None:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
         squares = np.sort(np.square(np.diff(force, 2)))[:-1]  # an outlier makes one large
@@ -100,6 +104,11 @@ class ContactFilter:
     def set_level(self, level: float, variance: float) -> None:
         """Set the force of free flight [N] and its variance [N^2]."""
         self.level, self.level_variance = level, variance
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether the tool is free without any sign of a touch."""
+        return self.state == FREE and self._up < 0.25 * TOUCH and self._down < 0.5 * TOUCH
 
     @property
     def probability(self) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from .check import (
     Array, Check, Evidence, extremes, Forces, loaded_correlation, median_of, millimetres,
     spread_of)
+from ...kinematics.parameters import TRACKED
 from ...signals.stream_faults import CLEAR, TARE_DUE
 
 
@@ -183,13 +184,16 @@ class ForceBias(Check):
                'first-free-flight')
     cause = 'The force sensor has an offset, or carries the weight of the tool.'
     remedy = ('Call `~/tare` out of contact, replay with `--tare first-free-flight`, or set '
-              '`physics.force_bias.bias` to the value given.')
+              '`physics.force_bias.bias` to the value given. If the sensor drifts, set '
+              '`force_sensor.zero: tracked` (`--tare tracked`).')
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""
         free = seen.free
         if free.sum() < _LEAST_FREE or seen.neither:
             return None
+        if seen.parameters.force_sensor.zero == TRACKED:
+            return ''
         level, noise = _level(seen.force[free], seen)
         if abs(level) <= max(TARE_DUE * noise, 1e-3):
             return ''

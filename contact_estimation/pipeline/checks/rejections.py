@@ -64,10 +64,12 @@ REJECTIONS = (
         'Set `frame_id` to the frame of the sensor, and start again.'),
     Rejection(
         'joint', ('joint_states_joint_unknown', 'joint_states_joint_ambiguous',
-                  'joint_states_joint_empty'),
+                  'joint_states_joint_empty', 'joint_states_joint_lacking',
+                  'joint_states_effort_missing'),
         'rejected {count} joint states: {text}',
-        'The joint is not in `joint_states`, or several are and none was chosen.',
-        'Set `joint`, or remap `joint_states`.'),
+        'The joint is not in `joint_states`, or several are and none was chosen; with '
+        '`wrench_source: joint_efforts`, a joint of the arm or the efforts are missing.',
+        'Set `joint`, or remap `joint_states`; let the driver publish efforts.'),
     Rejection(
         'malformed', ('wrench_malformed', 'joint_states_malformed'),
         'rejected {count} messages that cannot be read: {text}',

@@ -10,6 +10,7 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .check import Check, Evidence
+from ...kinematics.parameters import TRACKED
 from ...signals.stream_faults import Bursts, CLEAR, Courses, courses_of, zero_steps, ZeroStep
 
 
@@ -76,10 +77,12 @@ class ZeroSteps(Check):
                'in free flight, and let nothing zero the sensor while the node runs')
     cause = 'The driver zeroes the sensor, or the sensor was overloaded or has slipped.'
     remedy = ('Call `~/tare` out of contact; zero the sensor before the node starts, and not '
-              'afterwards.')
+              'afterwards; of a sensor that drifts, `force_sensor.zero: tracked`.')
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the levels of free flight; a step is told until a tare."""
+        if seen.parameters.force_sensor.zero == TRACKED:
+            return ''
         steps = self._noted(seen)
         bias, told = seen.memory.get('zero_steps', (seen.bias, []))
         if bias != seen.bias:

@@ -1,0 +1,68 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The zero of a force sensor that drifts, from all free flights of a recording."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .axis_pipeline import EstimationPipeline
+from .parameters import EstimationParameters
+from ..estimators.estimate import EstimateStatus
+from ..exceptions import RecordingError
+from ..signals.contact_sample import ContactSample
+
+Array = NDArray[np.float64]
+
+_WINDOW_S = 0.5  # of free flight, as of a tare
+
+
+def tracked_zero(
+    stamp_ns: NDArray[np.int64], x: Array, force: Array, parameters: EstimationParameters
+) -> Array:
+    """
+    Return the zero of the force at each sample.
+
+    Free flight is where the pipeline that tracks the zero on line finds it. Between the medians of
+    each half second of it the zero is interpolated: unlike on line, also the later free flight is
+    known.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (N,)
+        Stamps [ns].
+    x, force : ndarray, shape (N,)
+        Position along the normal [m] and F_e [N].
+    parameters : EstimationParameters
+        Of the contact axis, with `force_sensor.zero: tracked`.
+
+    Raises
+    ------
+    RecordingError
+        If the force is never that of free flight.
+
+    """
+    pipeline = EstimationPipeline(parameters)
+    found = pipeline.process(map(ContactSample, stamp_ns.tolist(), x.tolist(),
+                                 np.full(len(x), np.nan).tolist(), force.tolist()))
+    free = np.array([one.status is EstimateStatus.FREE for one in found])
+    t = 1e-9 * (stamp_ns - stamp_ns[0])
+    times, levels = [], []
+    for window in np.split(np.flatnonzero(free), _ends(t, free)):
+        if len(window) > 1:
+            times.append(float(np.mean(t[window])))
+            levels.append(float(np.median(force[window])))
+    if not times:
+        raise RecordingError(
+            'force_sensor.zero: tracked needs free flight, but the tool is in contact all the '
+            'time; give --tare A:B or physics.force_bias.bias')
+    return np.interp(t, times, levels)
+
+
+def _ends(t: Array, free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return where, among the free samples, a window of free flight ends."""
+    at = np.flatnonzero(free)
+    window = np.floor(t[at] / _WINDOW_S)
+    return np.flatnonzero((np.diff(window) > 0) | (np.diff(at) > 1)) + 1
