@@ -166,7 +166,7 @@ class ContactKinematics:
 
     @property
     def normal(self) -> Array:
-        """Unit vector into the wall, in the base frame, shape (3,)."""
+        """Return the unit vector into the wall, in the base frame, shape (3,)."""
         return self._normal
 
     def contact(self, sample: ArmSample) -> ContactSample:
