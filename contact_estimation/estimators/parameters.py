@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Initial values and limits of the environment, and how estimators that run on rows are supervised.
-"""
+"""Initial values and limits of the environment, and supervision of estimators on rows."""
 
 from __future__ import annotations
 

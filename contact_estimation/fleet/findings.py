@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Trends of K_e and B_e, changes of the named effects over time, robots that differ from the rest.
-"""
+"""Trends of K_e and B_e, changes of named effects over time, robots that differ."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-The fleet's table: recordings in the order of time, a row for each contact, as a Parquet file.
-"""
+"""The fleet's table: recordings in order of time, a row for each contact, as Parquet."""
 
 from __future__ import annotations
 

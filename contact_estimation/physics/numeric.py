@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Types and helper functions shared by the laws: signs, second-order systems, reversals of a path.
-"""
+"""Types and functions shared by the laws: signs, second-order systems, reversals."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-From the samples of one axis to what a wall can have caused: time, bias, known physics, outliers.
-"""
+"""From the samples of one axis to what a wall can have caused: bias, known physics, outliers."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Position and force of the contact axis in raw messages, and their log until a view takes them.
-"""
+"""Position and force of the contact axis in raw messages, and a log of them for the view."""
 
 from __future__ import annotations
 

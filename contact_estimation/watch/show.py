@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Recordings in the view, also while they are written; the view as a window, a web page or a file.
-"""
+"""Recordings in the view, also while written; the view as a window, web page or file."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-What changes slowly: what is known of a wall, the lag of the force sensor, the walk of the surface.
-"""
+"""What changes slowly: knowledge of a wall, lag of the force sensor, walk of the surface."""
 
 from __future__ import annotations
 

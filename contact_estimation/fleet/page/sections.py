@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-The sections of the fleet's page: each `prepare_NAME` makes the data of the template NAME.html.
-"""
+"""The sections of the fleet's page: `prepare_NAME` makes the data of NAME.html."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Checks of force and contact: sign, axis, noise, bias; where the surface is, whether a law fits.
-"""
+"""Checks of force and contact: sign, axis, noise, bias, surface, fit of a law."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-The checks of a session on the last blocks of samples, judged every half second or two seconds.
-"""
+"""The checks of a session on its last blocks of samples, judged once in 0.5 to 2 s."""
 
 from __future__ import annotations
 

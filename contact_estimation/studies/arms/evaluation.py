@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-What the library finds on an arm against the truth: tool, wall, concealed effect; its run time.
-"""
+"""What the library finds on an arm, against the truth: tool, wall, concealed effect; cost."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Arms in MuJoCo under an impedance controller of their own, against a wall of spring and damper.
-"""
+"""Arms in MuJoCo under an impedance controller, against a wall of spring and damper."""
 
 from __future__ import annotations
 

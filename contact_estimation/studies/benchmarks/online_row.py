@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Rows of the on-line study: what their worlds are drawn from, and how right the session is there.
-"""
+"""Rows of the on-line study: what worlds are drawn from, and how right the session is."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Score of a diagnosis on a rig: by family, since no name of the library is exact there; report.
-"""
+"""Score and report of diagnoses on rigs: by family, since no name is exact there."""
 
 from __future__ import annotations
 
