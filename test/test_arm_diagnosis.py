@@ -5,17 +5,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 from xml.etree import ElementTree
 
-from arm_worlds import arm_recording, FRICTION, motion, URDF
+from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
 from contact_estimation.blind_trials.arm_trials import scored
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
-from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, LEVEL
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
 from contact_estimation.diagnosis.arm.inertia import (
     of_pseudo_inertia,
     possible_inertial,
@@ -73,6 +74,32 @@ def test_an_arm_with_friction_and_inexact_links_lacks_nothing_else() -> None:
         assert values[law.effect, law.place].value == pytest.approx(law.theta[0], rel=0.15)
     assert [one.friction for one in found.joints[:2]] == [
         pytest.approx((3.0, 2.0), rel=0.1), pytest.approx((1.5, 1.0), rel=0.1)]
+
+
+def test_an_arm_that_presses_lacks_its_friction_and_nothing_else() -> None:
+    found = diagnose_arm(arm_recording(pressed=pressing()), URDF)
+    assert {one.family for one in found.effects} == {'friction'} and not found.contact
+    assert found.joints[0].friction == pytest.approx((3.0, 2.0), rel=0.1)
+    assert found.joints[0].share > 0.999 and 'Apparent mass of the tip' in as_text(found)
+    concealed = ArmLaw('payload', BODY, 2)
+    loaded = diagnose_arm(arm_recording([concealed], pressed=pressing()), URDF)
+    assert [one.name for one in loaded.effects if one.family != 'friction'] == ['payload']
+
+
+def test_a_wrench_of_an_unknown_link_is_told_and_not_used() -> None:
+    one = arm_recording(pressed=pressing())
+    assert one.wrench is not None
+    found = diagnose_arm(replace(one, wrench=replace(one.wrench, frame='elsewhere')), URDF)
+    assert [check.name for check in found.checks if not check.ok] == ['wrench_frame']
+    assert 'force_sensor.frame' in as_text(found) and found.apparent_mass is None
+
+
+def test_a_zero_of_the_wrench_is_named_as_such() -> None:
+    one = arm_recording(pressed=pressing())
+    assert one.wrench is not None
+    off = replace(one.wrench, measured=one.wrench.measured + [0.0, 0.0, 25.0, 0.0, 0.0, 0.0])
+    found = diagnose_arm(replace(one, wrench=off), URDF)
+    assert [one.name for one in found.effects if one.family != 'friction'] == ['wrench_bias']
 
 
 def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint() -> None:
@@ -155,7 +182,8 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
         for j in range(3):
             X = np.zeros((len(piece.t), size + 4))
             X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
-            X[:, size - 2:size] = LEVEL * piece.columns[Term('base_tilt')][j]
+            tilt = Term('base_tilt')
+            X[:, size - 2:size] = ZEROS[tilt] * piece.columns[tilt][j]
             X[:, size + j:size + j + 1] = piece.columns[model[j]][j] * gram.scales[model[j]]
             X[:, -1:] = piece.columns[model[3]][j] * gram.scales[model[3]]
             keep = piece.moving[:, j].copy()

@@ -73,7 +73,9 @@ def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
 
 
 @pytest.mark.parametrize('options, message', [
-    (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], '--nominal belongs to the diagnosis'),
+    (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], 'needs a wrench'),
+    (['--nominal-robot', 'arm.urdf', '--axis', 'x'], '--axis belongs to the diagnosis'),
+    (['--nominal-robot', 'arm.urdf', '--write-model', 'x.yaml'], '--write-model needs --nominal'),
     (['--nominal-robot', 'run_1.mcap'], 'must be the text of a URDF file'),
     (['--nominal-robot', 'arm.urdf', '--topic', 'joint_states:=/other'], '/other'),
     (['--write-urdf', 'c.urdf', '--nominal', 'x.yaml'], '--write-urdf needs --nominal-robot'),

@@ -55,8 +55,9 @@ def make_parser() -> Parser:
     parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
     parser.add_argument('--nominal-robot', metavar='ARM.urdf',
-                        help='robot description in its place: what a whole arm lacks, joint by '
-                        'joint, from joint states with efforts (extra robots)')
+                        help='robot description: what a whole arm lacks, joint by joint, from '
+                        'joint states with efforts and, in contact, wrenches; --nominal is then '
+                        'what it touches (extra robots)')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
                         help='recordings to test on (default: a part of each recording)')
     parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
@@ -72,7 +73,8 @@ def make_parser() -> Parser:
                         'friction, damping and armature for MuJoCo')
     parser.add_argument('--write-trajectory', metavar='FILE.csv',
                         help='write a motion by which the inertia of the links of --nominal-robot '
-                        'can be told, within its limits')
+                        'can be told, within its limits, and beside it FILE.yaml, the same as '
+                        'trajectory_msgs/msg/JointTrajectory')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')

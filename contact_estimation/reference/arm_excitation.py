@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+import yaml
 
 from ..kinematics.arm_dynamics import ArmDynamics
 
@@ -51,6 +52,16 @@ class ArmTrajectory:
         rows = np.column_stack([self.t, self.q, self.v, self.a])
         return '\n'.join([','.join(['t', *names]), *(
             ','.join(f'{value:.6g}' for value in row) for row in rows)]) + '\n'
+
+    def as_message(self, arm: ArmDynamics) -> str:
+        """Return a trajectory_msgs/msg/JointTrajectory as YAML, as `ros2 topic pub` takes it."""
+        stamps = [{'sec': int(t), 'nanosec': round(1e9 * (t % 1.0))} for t in self.t.tolist()]
+        rows = [np.round(one, 9).tolist() for one in (self.q, self.v, self.a)]
+        return str(yaml.safe_dump({
+            'joint_names': list(arm.joints),
+            'points': [{'positions': q, 'velocities': v, 'accelerations': a, 'time_from_start': t}
+                       for q, v, a, t in zip(*rows, stamps)]}, default_flow_style=None,
+            sort_keys=False))
 
 
 def exciting_trajectory(

@@ -5,14 +5,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import nnls
 
 from .arm_recording import ArmRecording, joints_of
+from .arm_wrench import pressed_along
 from .channels import Channels, Term
-from .checks import ArmCheck, check_description, check_efforts, check_units, examine
+from .checks import ArmCheck, check_description, check_efforts, check_units, check_wrench, examine
 from .describe import ArmNames, described
 from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
@@ -32,6 +34,7 @@ _CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of a
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
 _LEAST_TOOL_KG = 0.1
+_SHOWN = 200  # samples of a motion for the apparent mass
 
 
 def diagnose_arm(
@@ -55,7 +58,11 @@ def diagnose_arm(
     arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
     checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
+              *(check_wrench(one, arm) for one in fitted if one.wrench),
               *check_efforts(fitted, arm)]
+    if not all(one.ok for one in checks if one.name == 'wrench_frame'):
+        fitted, tested = ([replace(one, wrench=None) for one in every]
+                          for every in (fitted, tested))
     silent = {name: reason for reason, known in (
         ('rests', [one.moves for one in fitted]),
         ('publishes no effort', [one.has_effort for one in fitted]))
@@ -98,10 +105,22 @@ def _concluded(
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)
     diagnosis = ArmDiagnosis(
         verdict, effects, joints, silent, [*checks, _tool(names, effects)],
-        channels=channels, model=model, fitted=found, compared=compared)
+        channels=channels, model=model, fitted=found, compared=compared,
+        apparent_mass=_apparent_mass(channels))
     held = [_held_out(diagnosis, one) for one in tested]
     return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
                            'next_experiment': _next(effects)})
+
+
+def _apparent_mass(channels: Channels) -> tuple[float, float, float] | None:
+    """Return mean, least and most mass of the tip along the normal of its largest forces."""
+    one = next((one for one in channels.pieces if one.outside is not None), None)
+    if one is None:
+        return None
+    assert one.outside is not None
+    frame, normal = one.outside.frame, pressed_along(channels.arm, one.q, one.outside)
+    mass = channels.arm.apparent_mass(one.q[::max(1, len(one.q) // _SHOWN)], frame, normal)
+    return float(mass.mean()), float(mass.min()), float(mass.max())
 
 
 def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
@@ -138,7 +157,7 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
     gram, base = space.gram, space.evidence().base
     weights = gram.kept / gram.kept.sum(axis=0)
     nominal = (gram.s / gram.kept * weights).sum(axis=0)
-    before, after = ((weights * (one.left_out - 1.0)).sum(axis=0) * gram.floor
+    before, after = ((weights * (one.left_out - 1.0)).sum(axis=0) * gram.floor + gram.felt_noise
                      for one in (base, named.model))
     noise = np.mean([one.noise for one in gram.channels.pieces], axis=0)[gram.joints]
     results = []
@@ -165,9 +184,12 @@ def _plain_friction(
     channels: Channels, j: int, terms: Sequence[Term], named: Named
 ) -> tuple[float, float]:
     """Return F_c and B of sharp Coulomb and viscous friction nearest to a joint's laws."""
-    theta = named.model.found[1].theta
-    laws = [term for term in terms if term.place == j
-            and JOINT_EFFECTS[term.effect].family == 'friction']
+    model, theta = named.model.found[0], named.model.found[1].theta
+    # Where one is named, those too small for a name belong to its friction.
+    laws = [] if all(term.place != j or JOINT_EFFECTS[term.effect].family != 'friction'
+                     for term in terms) else [
+        term for term in sorted(model, key=repr) if term.place == j
+        and JOINT_EFFECTS[term.effect].family == 'friction']
     plain = [next(term for term in channels.terms if term[:2] == (name, j))
              for name in ('coulomb_friction', 'viscous_friction')]
     if not laws:

@@ -13,7 +13,7 @@ from .channels import Channels, Term
 from .checks import ArmCheck
 from .gram import Fitted
 from ..compare.beam import Compared
-from ..conclude.result import Value
+from ..conclude.result import Diagnosis, Value
 
 VERDICTS = ('consistent', 'recalibrate', 'physics_missing', 'unexplained')
 """From the best to the worst."""
@@ -160,6 +160,10 @@ class ArmDiagnosis:
         Its fit.
     compared : Compared or None
         All models.
+    contact : Diagnosis or None
+        Of what the tip touches, without a robot; None if no nominal contact was given.
+    apparent_mass : tuple of float or None
+        Of the tip along the direction in which it presses: mean, least and most [kg].
 
     """
 
@@ -174,6 +178,8 @@ class ArmDiagnosis:
     model: frozenset[Term] = frozenset()
     fitted: Fitted | None = None
     compared: Compared | None = None
+    contact: Diagnosis | None = None
+    apparent_mass: tuple[float, float, float] | None = None
 
     @property
     def refused(self) -> bool:
