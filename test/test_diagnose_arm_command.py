@@ -72,6 +72,20 @@ def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
     assert 'joint_1 9' in held_out or 'joint_1 100' in held_out
 
 
+def test_what_the_recording_of_a_simulator_has_is_not_named(
+    folder: Path, command: Command
+) -> None:
+    body = [1.0, 0.1, 0.02, 0.05, 0.01, -0.002, 0.02, -0.005, -0.001, 0.02]
+    one = arm_recording([ArmLaw('payload', body, 2), ArmLaw('reflected_inertia', [2.0], 0)], 2)
+    write_arm_recording(folder / 'real.mcap', one.joints,
+                        SimulatedArm(one.t, one.q, one.v, one.tau))
+    ended = command(folder / 'real.mcap', '--nominal-robot', folder / 'arm.urdf', '--simulation',
+                    folder / 'run_1.mcap')
+    simulation, _, report = ended.out.partition('\n\n')
+    assert ended.code == 0 and 'reflected inertia at joint_1' in simulation
+    assert report.startswith('physics missing: the description lacks payload at link_3.')
+
+
 @pytest.mark.parametrize('options, message', [
     (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], 'needs a wrench'),
     (['--nominal-robot', 'arm.urdf', '--axis', 'x'], '--axis belongs to the diagnosis'),

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 import json
 from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
@@ -142,6 +143,7 @@ _WALL_LAWS: Mapping[str, Callable[[np.random.Generator], float]] = {
     'quadratic_damping': lambda rng: rng.uniform(300.0, 800.0),
 }
 _LOADED = _at('coulomb_friction', 'loaded', 0.15, 0.3)
+_STIFF = 0.2  # of the compliance in free motion: what presses with 60 N would move centimetres
 
 
 def _wall_law(kind: str, rng: np.random.Generator) -> dict[str, float]:
@@ -190,6 +192,8 @@ def _drawn(
             noise=np.array(3 * [0.3] + 3 * [0.02]))
     if kind in KINDS:
         law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
+        if pressing and kind == 'joint_flexibility':
+            law = replace(law, theta=[_STIFF * law.theta[0]])
         laws.append(law)
         place = law.place
         truth['effects'] = [{'name': kind, 'family': JOINT_EFFECTS[kind].family,

@@ -18,7 +18,7 @@ from ..diagnosis.arm.contact import diagnose_contact
 from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
-from ..diagnosis.arm.text import as_dict, as_text
+from ..diagnosis.arm.text import as_dict, as_text, headline
 from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.report.corrected_model import model_file
@@ -49,7 +49,7 @@ def run(options: Any) -> int:
         new_file(path)
     if options.html:
         require_matplotlib()
-    recordings = [*options.recordings, *options.holdout]
+    recordings = [*options.recordings, *options.holdout, options.simulation]
     different_files(outputs, {
         'the robot description': [options.nominal_robot], 'a recording': recordings,
         'the nominal model file': [options.nominal], 'a parameter file': options.params})
@@ -64,10 +64,17 @@ def run(options: Any) -> int:
     fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
                       for paths in (options.recordings, options.holdout))
     contact = _contact(options, fitted, report_stage) if options.nominal else None
+    simulated = None
+    if options.simulation:
+        simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
+                                 seed=options.seed, progress=report_stage)
     diagnosis = replace(diagnose_arm(
-        fitted, urdf, held_out=tested, seed=options.seed, progress=report_stage), contact=contact)
+        fitted, urdf, held_out=tested, seed=options.seed, simulated=simulated,
+        progress=report_stage), contact=contact)
     progress.done()
     _write(diagnosis, urdf, options)
+    if simulated is not None:
+        print(f'Simulation {options.simulation}: {headline(simulated)}.\n')
     print(as_text(diagnosis))
     return 0
 

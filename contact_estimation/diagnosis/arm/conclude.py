@@ -18,7 +18,7 @@ from .checks import ArmCheck, check_description, check_efforts, check_units, che
 from .describe import ArmNames, described
 from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
-from .space import ArmModels, label, MOST_LAWS
+from .space import ArmModels, group_of, label, MOST_LAWS
 from ..compare.beam import Compared, search
 from ..compare.names import likely, Name, Named
 from ...exceptions import ParameterRangeError, RecordingError
@@ -39,14 +39,15 @@ _SHOWN = 200  # samples of a motion for the apparent mass
 
 def diagnose_arm(
     recordings: ArmRecording | Sequence[ArmRecording], urdf: str, *,
-    held_out: Sequence[ArmRecording] = (), seed: int = 0,
+    held_out: Sequence[ArmRecording] = (), seed: int = 0, simulated: ArmDiagnosis | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> ArmDiagnosis:
     """
     Compare recordings of an arm with its description, and name the physics that this lacks.
 
     The torque of each joint is RNEA(q, q', q'') of the description, whose links are recalibrated
-    by some 5 %, plus laws of JOINT_EFFECTS at their places.
+    by some 5 %, less J^T F of a measured contact, plus laws of JOINT_EFFECTS at their places. Laws
+    that the diagnosis `simulated` of a simulator's recording names are recalibrated and not named.
 
     """
     fitted = [recordings] if isinstance(recordings, ArmRecording) else list(recordings)
@@ -76,7 +77,8 @@ def diagnose_arm(
     space = ArmModels(Gram(channels), progress)
     compared = search(space, progress, laws=MOST_LAWS)
     named = likely(compared, seed)
-    return _concluded(space, compared, named, checks, silent, tested)
+    return _concluded(space, compared, named, checks, silent, tested,
+                      list(simulated.model) if simulated else [])
 
 
 def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
@@ -91,12 +93,13 @@ def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
 
 def _concluded(
     space: ArmModels, compared: Compared, named: Named, checks: list[ArmCheck],
-    silent: dict[str, str], tested: Sequence[ArmRecording],
+    silent: dict[str, str], tested: Sequence[ArmRecording], known: Sequence[Term],
 ) -> ArmDiagnosis:
     channels = space.gram.channels
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
     effects += [described(names, term, None) for term in _zeros(names)]
+    effects = [one for one in effects if not _is_known(one.term, known)]
     # Every joint has friction: it comes last, and where it is large for its joint first of all.
     effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
                  == 'coupled_friction' else (1.0, -names.of_range(one.term)))
@@ -110,6 +113,12 @@ def _concluded(
     held = [_held_out(diagnosis, one) for one in tested]
     return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
                            'next_experiment': _next(effects)})
+
+
+def _is_known(term: Term, known: Sequence[Term]) -> bool:
+    """Return whether a simulator has a law of the same kind at the same place, or a richer one."""
+    return any(group_of(term)[:2] == group_of(one)[:2] and JOINT_EFFECTS[term.effect].laws
+               <= JOINT_EFFECTS[one.effect].laws for one in known)
 
 
 def _apparent_mass(channels: Channels) -> tuple[float, float, float] | None:
@@ -164,7 +173,7 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
     for k, j in enumerate(gram.joints):
         name = gram.channels.arm.joints[j]
         mine = any(one.torque_shares.get(name, 0.0) >= _WORTH for one in effects)
-        left, was, first = (float(np.sqrt(max(one - noise[k], 0.0)) / gram.span[k])
+        left, was, first = (float(np.sqrt(max(one - noise[k], 0.0)) / gram.reach[k])
                             for one in (after[k], before[k], nominal[k]))
         share = 1.0 - float(after[k] / gram.variance[k])
         explained = 1.0 - left**2 / max(was**2, 1e-12)

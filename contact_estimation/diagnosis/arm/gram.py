@@ -88,6 +88,8 @@ class Gram:
         w_j, settable.
     counts : ndarray, shape (B, C)
         Independent errors.
+    reach : ndarray, shape (C,)
+        Range of the torques, with that of what the wrench takes out of them [N m].
     floor : ndarray, shape (C,)
         Mean square of what no model explains [N^2 m^2].
     variance : ndarray, shape (C,)
@@ -102,8 +104,8 @@ class Gram:
         felt = np.concatenate([one.felt for one in channels.pieces])[:, self.joints]
         self.felt_noise: Array = np.mean(
             [one.felt_noise for one in channels.pieces], axis=0)[self.joints]
-        self.floor: Array = (FLOOR**2 * (self.span**2 + np.ptp(felt, axis=0) ** 2)
-                             + _NOISE_KNOWN * self.felt_noise)
+        self.reach: Array = np.hypot(self.span, np.ptp(felt, axis=0))
+        self.floor: Array = (FLOOR * self.reach) ** 2 + _NOISE_KNOWN * self.felt_noise
         self.variance: Array = tau.var(axis=0) + 1e-12
         self.scales = {term: self._scale(term) for term in channels.terms}
         self.directions = self._directions()
