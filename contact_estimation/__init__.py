@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .estimators import ESTIMATORS
     from .estimators.estimate import Estimate
     from .exceptions import ContactEstimationError
+    from .kinematics.written_friction import joint_friction
     from .physics import EFFECTS
     from .plant.closed_loop import run_closed_loop
     from .plant.model_file import read_model
@@ -41,6 +42,7 @@ __all__ = [
     'EstimationParameters',
     'EstimationPipeline',
     'experiment_named',
+    'joint_friction',
     'NamedEffect',
     'PlantParameters',
     'read_model',
@@ -64,6 +66,7 @@ _MODULES = {
     'EstimationParameters': 'estimation.parameters',
     'EstimationPipeline': 'estimation.pipeline',
     'experiment_named': 'reference.experiments',
+    'joint_friction': 'kinematics.written_friction',
     'NamedEffect': 'diagnosis.conclude.result',
     'PlantParameters': 'plant.plant_parameters',
     'read_model': 'plant.model_file',

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -25,8 +26,9 @@ from contact_estimation.diagnosis.arm.inertia import (
 from contact_estimation.diagnosis.arm.page import as_html
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
-from contact_estimation.exceptions import RecordingError
+from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.kinematics.written_friction import joint_friction
 from contact_estimation.plant.arm_simulation import ArmLaw
 import numpy as np
 import pytest
@@ -212,6 +214,23 @@ def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> N
     again = diagnose_arm(arm_recording([CONCEALED['payload']], friction=False), text)
     assert 'payload' not in [one.name for one in again.effects]
     assert 'friction=' in text and 'frictionloss=' in mjcf_snippet(found)
+
+
+def test_friction_is_read_back_from_the_written_description(tmp_path: Path) -> None:
+    found, file = diagnosed('nothing'), tmp_path / 'c.urdf'
+    file.write_text(corrected_urdf(found, URDF))
+    read = joint_friction(file)
+    assert read == {one.name: pytest.approx(one.friction, rel=1e-5) for one in found.joints}
+    file.write_text(file.read_text().replace('friction="', 'friction="-'))
+    with pytest.raises(ModelFileError, match='friction of joint_1 must be a number >= 0'):
+        joint_friction(file)
+    with pytest.raises(ModelFileError, match='must be a URDF file'):
+        joint_friction(tmp_path / 'none.urdf')
+
+
+def test_rotor_inertia_of_the_first_joint_is_also_that_of_its_link() -> None:
+    first = diagnosed('reflected_inertia').effects[0]
+    assert 'link_inertia at link_1' in first.indistinguishable_from
 
 
 def test_the_page_shows_the_arm_and_every_name() -> None:

@@ -28,13 +28,13 @@ from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.conclude.simulated import diagnose_simulation, simulation_text
 from ..diagnosis.fit.free_run import plant_of
 from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
-from ..diagnosis.simulated import diagnose_simulation, simulation_text
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..figures import require_matplotlib
 from ..plant.engines import ENGINES

@@ -229,14 +229,16 @@ def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:
     channels = diagnosis.channels
     assert channels is not None and diagnosis.fitted is not None
     other = Channels([recording], channels.arm, like=channels)
-    shares: tuple[dict[str, float], dict[str, float]] = {}, {}
+    shares: tuple[dict[str, float], ...] = {}, {}, {}
     for j in channels.measured:
-        tau = np.concatenate([one.tau[:, j] for one in other.pieces])
-        nominal = np.concatenate([one.residual[:, j] for one in other.pieces])
+        tau, nominal, moving = (np.concatenate([getattr(one, name)[:, j] for one in other.pieces])
+                                for name in ('tau', 'residual', 'moving'))
         left = nominal - np.concatenate(
             [channels.predicted(one, j, diagnosis.fitted, zeros=False) for one in other.pieces])
-        for share, error in zip(shares, (nominal, left - left.mean())):
-            share[channels.arm.joints[j]] = 1.0 - float(np.mean(error**2) / tau.var())
+        for share, error, rows in zip(
+                shares, (nominal, left, left), (moving, moving, np.ones_like(moving))):
+            error = error[rows] - (0.0 if error is nominal else error[rows].mean())
+            share[channels.arm.joints[j]] = 1.0 - float(np.mean(error**2) / tau[rows].var())
     return HeldOutArm(recording.name, *shares)
 
 

@@ -124,11 +124,25 @@ class JointResult:
 
 @dataclass(frozen=True)
 class HeldOutArm:
-    """A recording that was not fitted: share of each joint's torque, nominal and corrected."""
+    """
+    A recording that was not fitted.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    nominal, corrected : dict of str to float
+        Share of each joint's torque that is predicted while it moves.
+    with_rests : dict of str to float
+        The same of all samples: at rest friction holds whatever it is loaded with, and no law of
+        the motion tells how much that is.
+
+    """
 
     name: str
     nominal: dict[str, float]
     corrected: dict[str, float]
+    with_rests: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,10 +105,12 @@ def _row(cells: list[str]) -> str:
 
 
 def _held_out(d: ArmDiagnosis) -> list[str]:
-    lines = ['Share of the torque explained in recordings that were not fitted']
+    lines = ['Share of the torque explained in recordings that were not fitted, while the joint '
+             'moves (with its rests, where friction may hold anything)']
     for one in d.holdouts:
         lines += [f'  {one.name}: ' + ', '.join(
-            f'{joint} {100.0 * share:.1f} %' for joint, share in one.corrected.items())]
+            f'{joint} {100.0 * share:.1f} % ({100.0 * one.with_rests[joint]:.1f} %)'
+            for joint, share in one.corrected.items())]
     return lines
 
 
@@ -130,7 +132,8 @@ def as_dict(d: ArmDiagnosis) -> dict[str, Any]:
         'checks': [{'name': one.name, 'ok': one.ok, 'text': one.text, 'fatal': one.fatal}
                    for one in d.checks],
         'fit': {'holdouts': [{'name': one.name, 'share': one.corrected,
-                              'share_nominal': one.nominal} for one in d.holdouts]},
+                              'share_nominal': one.nominal,
+                              'share_with_rests': one.with_rests} for one in d.holdouts]},
         'next_experiment': {'text': d.next_experiment} if d.next_experiment else None,
         'apparent_mass_kg': d.apparent_mass and dict(
             zip(('mean', 'least', 'most'), d.apparent_mass)),

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from .conclude.diagnose import diagnose
-from .conclude.result import Diagnosis
-from .fit.free_run import plant_of
-from .observe.observed import observe, Observed
-from .observe.signals import Recording
-from ..exceptions import RecordingError
-from ..physics import effects_that_are_on
-from ..plant.plant_parameters import PlantParameters, WallParameters
+from .diagnose import diagnose
+from .result import Diagnosis
+from ..fit.free_run import plant_of
+from ..observe.observed import observe, Observed
+from ..observe.signals import Recording
+from ...exceptions import RecordingError
+from ...physics import effects_that_are_on
+from ...plant.plant_parameters import PlantParameters, WallParameters
 
 Array = NDArray[np.float64]
 
