@@ -9,7 +9,8 @@ from arm_worlds import along, JOINTS, motion, URDF
 from contact_estimation.exceptions import UnknownNameError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
 from contact_estimation.messages import decode_arm, encode_arm
-from contact_estimation.physics.joints import JOINT_EFFECTS
+from contact_estimation.physics.joints import JOINT_EFFECTS, JointMotion
+from contact_estimation.physics.joints.joint_drive import through_gap
 from contact_estimation.plant.arm_models import arm_description, ARM_MODELS, TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
@@ -96,6 +97,20 @@ def test_the_link_behind_a_flexible_joint_lags_by_compliance_times_torque() -> N
         lag = np.gradient(lag, here.period)
     change = (arm.torque(q, v, a) - here.load)[:, 1] / 1e-6
     assert column == pytest.approx(change, rel=0.01, abs=0.01 * np.abs(change).max())
+
+
+def test_a_link_crosses_its_gap_as_a_free_body_after_the_load_changes_its_side() -> None:
+    arm, h, gap = ArmDynamics(URDF), 1e-3, 0.02
+    t = np.arange(0.0, 2.0, h)
+    load, still = np.zeros((len(t), 3)), np.zeros((len(t), 3))
+    load[:, 0] = 40.0 * (1.0 - t)
+    here = JointMotion(arm, still, still, still, load, np.ones(3), np.zeros(3), load, h)
+    lag = through_gap(here, 0, gap)
+    crossed = (6.0 * here.inertia[0, 0] * gap / 40.0) ** (1.0 / 3.0)  # I y = -40 (t - 1)^3 / 6
+    assert lag[t < 1.0] == pytest.approx(0.5 * gap)
+    assert lag[t > 1.01 + crossed] == pytest.approx(-0.5 * gap)
+    assert lag[t < 0.99 + crossed][-1] > -0.5 * gap
+    assert JOINT_EFFECTS['backlash'].shapes(here, 1) == ()
 
 
 def test_an_exciting_motion_stays_within_limits_and_is_better_than_a_draw() -> None:

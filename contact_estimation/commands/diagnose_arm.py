@@ -63,7 +63,7 @@ def run(options: Any) -> int:
     topics, chosen = topics_of(options), chosen_parameters(options)
     fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
                       for paths in (options.recordings, options.holdout))
-    contact = _contact(options, fitted, report_stage) if options.nominal else None
+    contact = _contact(options, fitted, report_stage)
     simulated = None
     if options.simulation:
         simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
@@ -81,8 +81,10 @@ def run(options: Any) -> int:
 
 def _contact(
     options: Any, fitted: list[ArmRecording], progress: Callable[[str], None]
-) -> Diagnosis:
+) -> Diagnosis | None:
     """Diagnose what the tip touches."""
+    if not options.nominal:
+        return None
     if not any(one.wrench for one in fitted):
         raise RecordingError(
             '--nominal, the contact, needs a wrench beside the joint states, got none in '

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from os import PathLike
 from typing import Any, Callable, Mapping, Sequence
 
@@ -13,6 +14,8 @@ from ..conclude.result import Diagnosis
 from ..observe.read_recording import read_recording
 from ..observe.signals import without_reference
 from ...plant.plant_parameters import PlantParameters
+
+COMPLIANCE = 'a compliance of joints, tool or mount in series with the wall'
 
 
 def diagnose_contact(
@@ -26,6 +29,10 @@ def diagnose_contact(
 
     The robot is diagnosed joint by joint: eq. (1), with one mass and no joints, has no part in it,
     and whatever controller moves the tip is nothing that the contact could lack.
+
+    A compliance C between the measured joints and the wall looks like a late force:
+    F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v), with K_e' and B_e' by 1 + K_e C too small. The
+    compliance is listed beside a late force.
 
     Parameters
     ----------
@@ -45,4 +52,7 @@ def diagnose_contact(
     fitted, tested = (
         [without_reference(read_recording(path, topics=topics, parameters=chosen))
          for path in some] for some in (paths, held_out))
-    return diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
+    found = diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
+    return replace(found, effects=[
+        replace(one, indistinguishable_from=[*one.indistinguishable_from, COMPLIANCE])
+        if one.family == 'timing' else one for one in found.effects])

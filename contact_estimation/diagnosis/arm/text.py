@@ -61,7 +61,7 @@ def as_text(d: ArmDiagnosis) -> str:
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}.'])
     if d.contact is not None:
-        sections.append(['What the tip touches:', '', contact_text(d.contact)])
+        sections += [['What the tip touches:'], [contact_text(d.contact)]]
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
 
 
@@ -137,7 +137,7 @@ def as_dict(d: ArmDiagnosis) -> dict[str, Any]:
         'next_experiment': {'text': d.next_experiment} if d.next_experiment else None,
         'apparent_mass_kg': d.apparent_mass and dict(
             zip(('mean', 'least', 'most'), d.apparent_mass)),
-        'contact': d.contact and contact_dict(d.contact, None),
+        'contact': d.contact and contact_dict(d.contact),
     })
 
 

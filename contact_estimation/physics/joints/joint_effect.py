@@ -67,6 +67,12 @@ class JointMotion:
         """Return Y of `ArmDynamics.regressor`, shape (N, n, 10 n)."""
         return self.arm.regressor(self.q, self.v, self.a)
 
+    @cached_property
+    def inertia(self) -> Array:
+        """Return the inertia that each joint moves, shape (N, n) [kg m^2]."""
+        zero = np.zeros(self.q.shape[1])
+        return np.array([np.diag(self.arm.forward(x, zero, zero)[0]) for x in self.q])
+
     def rate(self, signal: Array) -> Array:
         """Return the time derivative of a signal, first axis time."""
         return np.asarray(np.gradient(signal, self.period, axis=0))
