@@ -6,10 +6,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import json
 
 import numpy as np
 from numpy.typing import NDArray
-import yaml
 
 from ..kinematics.arm_dynamics import ArmDynamics
 
@@ -55,13 +55,13 @@ class ArmTrajectory:
 
     def as_message(self, arm: ArmDynamics) -> str:
         """Return a trajectory_msgs/msg/JointTrajectory as YAML, as `ros2 topic pub` takes it."""
-        stamps = [{'sec': int(t), 'nanosec': round(1e9 * (t % 1.0))} for t in self.t.tolist()]
+        stamps = [divmod(round(1e9 * t), 1_000_000_000) for t in self.t.tolist()]
         rows = [np.round(one, 9).tolist() for one in (self.q, self.v, self.a)]
-        return str(yaml.safe_dump({
-            'joint_names': list(arm.joints),
-            'points': [{'positions': q, 'velocities': v, 'accelerations': a, 'time_from_start': t}
-                       for q, v, a, t in zip(*rows, stamps)]}, default_flow_style=None,
-            sort_keys=False))
+        return '\n'.join([
+            f'joint_names: {json.dumps(arm.joints)}', 'points:',
+            *(f'- {{positions: {q}, velocities: {v}, accelerations: {a}, '
+              f'time_from_start: {{sec: {sec}, nanosec: {ns}}}}}'
+              for q, v, a, (sec, ns) in zip(*rows, stamps))]) + '\n'
 
 
 def exciting_trajectory(
