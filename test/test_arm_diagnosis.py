@@ -88,6 +88,13 @@ def test_an_arm_that_presses_lacks_its_friction_and_nothing_else() -> None:
     assert [one.name for one in loaded.effects if one.family != 'friction'] == ['payload']
 
 
+def test_a_sensor_that_feels_nothing_changes_nothing() -> None:
+    found = diagnose_arm(arm_recording(pressed=0.0 * pressing()), URDF)
+    assert {one.family for one in found.effects} == {'friction'} and found.apparent_mass is None
+    assert found.joints[0].friction == pytest.approx(diagnosed('nothing').joints[0].friction,
+                                                     rel=0.05)
+
+
 def test_a_wrench_of_an_unknown_link_is_told_and_not_used() -> None:
     one = arm_recording(pressed=pressing())
     assert one.wrench is not None

@@ -17,6 +17,7 @@ from ...kinematics.tool_load import load_map
 
 Array = NDArray[np.float64]
 
+_FELT_N = 1.0
 _PRESSING = 90.0  # percentile of the force, beyond which its direction is the normal
 
 
@@ -55,8 +56,9 @@ class ArmWrench:
 
 
 def pressed_along(arm: ArmDynamics, q: Array, outside: Outside) -> Array:
-    """Return the direction in which an arm presses most, in axes of the root, shape (3,)."""
+    """Return the direction in which an arm presses most, in axes of the root; 0 for none, (3,)."""
     force = np.einsum('nij,nj->ni', arm.axes(q, outside.frame), outside.wrench[:, :3])
     size = np.linalg.norm(force, axis=1)
     most = -force[size >= np.percentile(size, _PRESSING)].mean(axis=0)
-    return np.asarray(most / (np.linalg.norm(most) + 1e-12))
+    length = float(np.linalg.norm(most))
+    return np.asarray(most / length if length > _FELT_N else np.zeros(3))

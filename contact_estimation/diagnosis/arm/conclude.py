@@ -59,7 +59,7 @@ def diagnose_arm(
     arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
     checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
-              *(check_wrench(one, arm) for one in fitted if one.wrench),
+              *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
               *check_efforts(fitted, arm)]
     if not all(one.ok for one in checks if one.name == 'wrench_frame'):
         fitted, tested = ([replace(one, wrench=None) for one in every]
@@ -128,6 +128,8 @@ def _apparent_mass(channels: Channels) -> tuple[float, float, float] | None:
         return None
     assert one.outside is not None
     frame, normal = one.outside.frame, pressed_along(channels.arm, one.q, one.outside)
+    if not normal.any():
+        return None
     mass = channels.arm.apparent_mass(one.q[::max(1, len(one.q) // _SHOWN)], frame, normal)
     return float(mass.mean()), float(mass.min()), float(mass.max())
 
