@@ -5,26 +5,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from arm_worlds import arm_recording, FRICTION, motion, URDF
+from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
-from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, LEVEL
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
 from contact_estimation.diagnosis.arm.inertia import (
-    of_pseudo_inertia,
-    possible_inertial,
-    pseudo_inertia,
-)
+    of_pseudo_inertia, possible_inertial, pseudo_inertia)
 from contact_estimation.diagnosis.arm.page import as_html
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
-from contact_estimation.exceptions import RecordingError
+from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.kinematics.written_friction import joint_friction
 from contact_estimation.plant.arm_simulation import ArmLaw
 from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
@@ -73,6 +73,39 @@ def test_an_arm_with_friction_and_inexact_links_lacks_nothing_else() -> None:
         assert values[law.effect, law.place].value == pytest.approx(law.theta[0], rel=0.15)
     assert [one.friction for one in found.joints[:2]] == [
         pytest.approx((3.0, 2.0), rel=0.1), pytest.approx((1.5, 1.0), rel=0.1)]
+
+
+def test_an_arm_that_presses_lacks_its_friction_and_nothing_else() -> None:
+    found = diagnose_arm(arm_recording(pressed=pressing()), URDF)
+    assert {one.family for one in found.effects} == {'friction'} and not found.contact
+    assert found.joints[0].friction == pytest.approx((3.0, 2.0), rel=0.1)
+    assert found.joints[0].share > 0.999 and 'Apparent mass of the tip' in as_text(found)
+    concealed = ArmLaw('payload', BODY, 2)
+    loaded = diagnose_arm(arm_recording([concealed], pressed=pressing()), URDF)
+    assert [one.name for one in loaded.effects if one.family != 'friction'] == ['payload']
+
+
+def test_a_sensor_that_feels_nothing_changes_nothing() -> None:
+    found = diagnose_arm(arm_recording(pressed=0.0 * pressing()), URDF)
+    assert {one.family for one in found.effects} == {'friction'} and found.apparent_mass is None
+    assert found.joints[0].friction == pytest.approx(diagnosed('nothing').joints[0].friction,
+                                                     rel=0.05)
+
+
+def test_a_wrench_of_an_unknown_link_is_told_and_not_used() -> None:
+    one = arm_recording(pressed=pressing())
+    assert one.wrench is not None
+    found = diagnose_arm(replace(one, wrench=replace(one.wrench, frame='elsewhere')), URDF)
+    assert [check.name for check in found.checks if not check.ok] == ['wrench_frame']
+    assert 'force_sensor.frame' in as_text(found) and found.apparent_mass is None
+
+
+def test_a_zero_of_the_wrench_is_named_as_such() -> None:
+    one = arm_recording(pressed=pressing())
+    assert one.wrench is not None
+    off = replace(one.wrench, measured=one.wrench.measured + [0.0, 0.0, 25.0, 0.0, 0.0, 0.0])
+    found = diagnose_arm(replace(one, wrench=off), URDF)
+    assert [one.name for one in found.effects if one.family != 'friction'] == ['wrench_bias']
 
 
 def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint() -> None:
@@ -155,7 +188,8 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
         for j in range(3):
             X = np.zeros((len(piece.t), size + 4))
             X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
-            X[:, size - 2:size] = LEVEL * piece.columns[Term('base_tilt')][j]
+            tilt = Term('base_tilt')
+            X[:, size - 2:size] = ZEROS[tilt] * piece.columns[tilt][j]
             X[:, size + j:size + j + 1] = piece.columns[model[j]][j] * gram.scales[model[j]]
             X[:, -1:] = piece.columns[model[3]][j] * gram.scales[model[3]]
             keep = piece.moving[:, j].copy()
@@ -184,6 +218,23 @@ def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> N
     again = diagnose_arm(arm_recording([CONCEALED['payload']], friction=False), text)
     assert 'payload' not in [one.name for one in again.effects]
     assert 'friction=' in text and 'frictionloss=' in mjcf_snippet(found)
+
+
+def test_friction_is_read_back_from_the_written_description(tmp_path: Path) -> None:
+    found, file = diagnosed('nothing'), tmp_path / 'c.urdf'
+    file.write_text(corrected_urdf(found, URDF))
+    read = joint_friction(file)
+    assert read == {one.name: pytest.approx(one.friction, rel=1e-5) for one in found.joints}
+    file.write_text(file.read_text().replace('friction="', 'friction="-'))
+    with pytest.raises(ModelFileError, match='friction of joint_1 must be a number >= 0'):
+        joint_friction(file)
+    with pytest.raises(ModelFileError, match='must be a URDF file'):
+        joint_friction(tmp_path / 'none.urdf')
+
+
+def test_rotor_inertia_of_the_first_joint_is_also_that_of_its_link() -> None:
+    first = diagnosed('reflected_inertia').effects[0]
+    assert 'link_inertia at link_1' in first.indistinguishable_from
 
 
 def test_the_page_shows_the_arm_and_every_name() -> None:

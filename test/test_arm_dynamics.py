@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from arm_worlds import along, JOINTS, motion, URDF
 from contact_estimation.exceptions import UnknownNameError
-from contact_estimation.kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
 from contact_estimation.messages import decode_arm, encode_arm
-from contact_estimation.physics.joints import JOINT_EFFECTS
-from contact_estimation.plant.arm_models import arm_description, ARM_MODELS
+from contact_estimation.physics.joints import JOINT_EFFECTS, JointMotion
+from contact_estimation.physics.joints.joint_drive import through_gap
+from contact_estimation.plant.arm_models import arm_description, ARM_MODELS, TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
 import numpy as np
@@ -27,6 +28,18 @@ def test_torques_are_linear_in_the_parameters_of_the_links(name: str) -> None:
     other = arm.neutral * np.repeat(1.0 + 0.1 * rng.normal(size=len(arm.joints)), PER_LINK)
     assert arm.with_parameters(other).torque(q, v, a) == pytest.approx(
         arm.regressor(q, v, a) @ other)
+
+
+def test_the_apparent_mass_is_that_which_a_force_accelerates() -> None:
+    arm, q = ArmDynamics(arm_description('elbow_6r')), np.linspace(0.2, 0.9, 6)
+    n, zero = np.array([0.6, 0.0, -0.8]), np.zeros(6)
+    R, p = arm.pose(q, TIP)
+    push = Outside(TIP, np.concatenate([R.T @ n, np.zeros(3)])[None])
+    M, _ = arm.forward(q, zero, zero)
+    acceleration = np.linalg.solve(M, arm.torque_from(q[None], push)[0])
+    small = 1e-6
+    moved = (arm.pose(q + small * acceleration, TIP)[1] - p) @ n / small
+    assert arm.apparent_mass(q[None], TIP, n)[0] == pytest.approx(1.0 / moved, rel=1e-3)
 
 
 def test_tilt_is_the_change_of_gravity_when_the_base_turns() -> None:
@@ -52,7 +65,8 @@ def test_an_unknown_joint_is_an_error_that_lists_the_known() -> None:
         ArmDynamics(URDF, ['joint_7'])
 
 
-@pytest.mark.parametrize('name', JOINT_EFFECTS)
+@pytest.mark.parametrize('name', [
+    name for name, effect in JOINT_EFFECTS.items() if not effect.needs_wrench])
 def test_each_law_has_a_finite_column_for_each_coefficient(name: str) -> None:
     effect, here = JOINT_EFFECTS[name], along(ArmDynamics(URDF), motion())
     place = PLACES[effect.place]
@@ -83,6 +97,20 @@ def test_the_link_behind_a_flexible_joint_lags_by_compliance_times_torque() -> N
         lag = np.gradient(lag, here.period)
     change = (arm.torque(q, v, a) - here.load)[:, 1] / 1e-6
     assert column == pytest.approx(change, rel=0.01, abs=0.01 * np.abs(change).max())
+
+
+def test_a_link_crosses_its_gap_as_a_free_body_after_the_load_changes_its_side() -> None:
+    arm, h, gap = ArmDynamics(URDF), 1e-3, 0.02
+    t = np.arange(0.0, 2.0, h)
+    load, still = np.zeros((len(t), 3)), np.zeros((len(t), 3))
+    load[:, 0] = 40.0 * (1.0 - t)
+    here = JointMotion(arm, still, still, still, load, np.ones(3), np.zeros(3), load, h)
+    lag = through_gap(here, 0, gap)
+    crossed = (6.0 * here.inertia[0, 0] * gap / 40.0) ** (1.0 / 3.0)  # I y = -40 (t - 1)^3 / 6
+    assert lag[t < 1.0] == pytest.approx(0.5 * gap)
+    assert lag[t > 1.01 + crossed] == pytest.approx(-0.5 * gap)
+    assert lag[t < 0.99 + crossed][-1] > -0.5 * gap
+    assert JOINT_EFFECTS['backlash'].shapes(here, 1) == ()
 
 
 def test_an_exciting_motion_stays_within_limits_and_is_better_than_a_draw() -> None:

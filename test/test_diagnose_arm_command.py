@@ -8,12 +8,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from arm_worlds import arm_recording, URDF
+from arm_worlds import arm_recording, motion, URDF
 from contact_estimation.commands import blind_trials, diagnose
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, SimulatedArm
+from contact_estimation.plant.plant_parameters import read_model
 from contact_estimation.studies.blind_trials.arm_trials import write_arm_recording
+import numpy as np
 import pytest
 from run_commands import Command
+import yaml
 
 
 @pytest.fixture
@@ -55,6 +60,11 @@ def test_it_writes_report_page_description_and_motion(
     again = command(folder / 'run_2.mcap', '--nominal-robot', tmp_path / 'c.urdf')
     assert again.code == 0
     assert (tmp_path / 'm.csv').read_text().startswith('t,position.joint_1,')
+    trajectory = yaml.safe_load((tmp_path / 'm.yaml').read_text())
+    last = trajectory['points'][-1]
+    assert trajectory['joint_names'] == ['joint_1', 'joint_2', 'joint_3']
+    assert last['time_from_start'] == {'sec': 19, 'nanosec': 990000000}
+    assert len(last['positions']) == len(last['velocities']) == 3
 
 
 def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
@@ -72,8 +82,58 @@ def test_a_payload_of_one_of_two_recordings_is_named_with_its_recording(
     assert 'joint_1 9' in held_out or 'joint_1 100' in held_out
 
 
+def test_what_an_arm_touches_is_diagnosed_beside_its_joints(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    wanted, arm, n = motion(), ArmDynamics(URDF), np.array([1.0, 0.0, 0.0])
+    x = np.array([arm.pose(q, TIP)[1] @ n for q in wanted.q])
+    v = np.gradient(x, wanted.t)
+    location = float(np.percentile(x, 60.0))
+    force = -np.where(x > location, np.maximum(300.0 * (x - location) + 20.0 * v, 0.0), 0.0)
+    pressed = np.hstack([np.array([arm.pose(q, TIP)[0].T @ n for q in wanted.q]) * force[:, None],
+                         np.zeros((len(x), 3))])
+    one = arm_recording(pressed=pressed)
+    assert one.wrench is not None
+    write_arm_recording(folder / 'touch.mcap', one.joints,
+                        SimulatedArm(one.t, one.q, one.v, one.tau, one.wrench.measured))
+    for name, node, values in (
+            ('wall', 'plant_node', {'environment': {
+                'stiffness': 250.0, 'damping': 20.0, 'location': location}}),
+            ('arm', 'estimator_node', {'kinematics': {'base': 'base', 'tip': TIP},
+                                       'contact': {'normal': n.tolist()}})):
+        (tmp_path / f'{name}.yaml').write_text(yaml.safe_dump({node: {'ros__parameters': values}}))
+    ended = command(
+        folder / 'touch.mcap', '--nominal-robot', folder / 'arm.urdf', '--nominal',
+        tmp_path / 'wall.yaml', '--params', tmp_path / 'arm.yaml', '--json', tmp_path / 'r.json',
+        '--write-model', tmp_path / 'c.yaml', '--write-comparison', tmp_path / 'c.json')
+    assert ended.code == 0, ended.err
+    report = json.loads((tmp_path / 'r.json').read_text())
+    assert {one['family'] for one in report['effects']} == {'friction'}
+    assert report['contact']['verdict'] == 'recalibrate' and not report['contact']['effects']
+    corrected = read_model(tmp_path / 'c.yaml').environment
+    assert corrected.stiffness == pytest.approx(300.0, rel=0.01)
+    assert 'What the tip touches' in ended.out and 'Apparent mass' in ended.out
+    assert len(json.loads((tmp_path / 'c.json').read_text())['models']) > 10
+
+
+def test_what_the_recording_of_a_simulator_has_is_not_named(
+    folder: Path, command: Command
+) -> None:
+    body = [1.0, 0.1, 0.02, 0.05, 0.01, -0.002, 0.02, -0.005, -0.001, 0.02]
+    one = arm_recording([ArmLaw('payload', body, 2), ArmLaw('reflected_inertia', [2.0], 0)], 2)
+    write_arm_recording(folder / 'real.mcap', one.joints,
+                        SimulatedArm(one.t, one.q, one.v, one.tau))
+    ended = command(folder / 'real.mcap', '--nominal-robot', folder / 'arm.urdf', '--simulation',
+                    folder / 'run_1.mcap')
+    simulation, _, report = ended.out.partition('\n\n')
+    assert ended.code == 0 and 'reflected inertia at joint_1' in simulation
+    assert report.startswith('physics missing: the description lacks payload at link_3.')
+
+
 @pytest.mark.parametrize('options, message', [
-    (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], '--nominal belongs to the diagnosis'),
+    (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], 'needs a wrench'),
+    (['--nominal-robot', 'arm.urdf', '--axis', 'x'], '--axis belongs to the diagnosis'),
+    (['--nominal-robot', 'arm.urdf', '--write-model', 'x.yaml'], '--write-model needs --nominal'),
     (['--nominal-robot', 'run_1.mcap'], 'must be the text of a URDF file'),
     (['--nominal-robot', 'arm.urdf', '--topic', 'joint_states:=/other'], '/other'),
     (['--write-urdf', 'c.urdf', '--nominal', 'x.yaml'], '--write-urdf needs --nominal-robot'),

@@ -45,6 +45,9 @@ def make_parser() -> Parser:
                         help='trials on whole arms: a law at a joint or a payload is concealed, '
                         'beside links that are 5 %% off and friction everywhere (0); needs the '
                         'extra robots')
+    parser.add_argument('--pressing', action='store_true',
+                        help='arms of --arms press on a wall under a Cartesian impedance; a law '
+                        'of their joints or of the wall is concealed')
     parser.add_argument('--calibrate', metavar='FILE',
                         help='fit the constants of the decision to these trials, print how much '
                         'each matters, and write them as JSON')
@@ -80,7 +83,8 @@ def run(options: Any) -> int:
     progress = Progress('blind_trials')
     if options.arms:
         outcomes = run_arm_trials(
-            folder, options.arms, options.seed, progress.show, options.only_write)
+            folder, options.arms, options.seed, progress.show, options.only_write,
+            options.pressing)
         if outcomes:
             print(arm_text(outcomes))
             (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')

@@ -28,6 +28,7 @@ from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.conclude.simulated import diagnose_simulation, simulation_text
 from ..diagnosis.fit.free_run import plant_of
 from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.report.corrected_model import model_file
@@ -55,8 +56,12 @@ def make_parser() -> Parser:
     parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
     parser.add_argument('--nominal-robot', metavar='ARM.urdf',
-                        help='robot description in its place: what a whole arm lacks, joint by '
-                        'joint, from joint states with efforts (extra robots)')
+                        help='robot description: what a whole arm lacks, joint by joint, from '
+                        'joint states with efforts and, in contact, wrenches; --nominal is then '
+                        'what it touches (extra robots)')
+    parser.add_argument('--simulation', metavar='SIM',
+                        help='recording of any simulator under the same commands: its model is '
+                        'identified first, from --nominal if given, and is then the nominal one')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
                         help='recordings to test on (default: a part of each recording)')
     parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
@@ -72,7 +77,8 @@ def make_parser() -> Parser:
                         'friction, damping and armature for MuJoCo')
     parser.add_argument('--write-trajectory', metavar='FILE.csv',
                         help='write a motion by which the inertia of the links of --nominal-robot '
-                        'can be told, within its limits')
+                        'can be told, within its limits, and beside it FILE.yaml, the same as '
+                        'trajectory_msgs/msg/JointTrajectory')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
@@ -94,10 +100,10 @@ def run(options: Any) -> int:
             raise ParameterRangeError(
                 f'--{name.replace("_", "-")} needs --nominal-robot ARM.urdf; give it in place of '
                 '--nominal')
-    if not options.nominal:
+    if not options.nominal and not options.simulation:
         raise ParameterRangeError(
-            'one of --nominal MODEL.yaml (a contact) and --nominal-robot ARM.urdf (a whole arm) '
-            'must be given, got neither; see diagnose --help')
+            'one of --nominal MODEL.yaml (a contact), --simulation SIM (its recording) and '
+            '--nominal-robot ARM.urdf (a whole arm) must be given, got none; see diagnose --help')
     outputs = (options.json, options.html, options.write_model, options.write_comparison,
                _experiment_file(options), *(file for _, file in options.export))
     for engine, _ in options.export:
@@ -108,11 +114,11 @@ def run(options: Any) -> int:
             new_file(path)
     different_files(outputs, {
         'the nominal model file': [options.nominal], 'a parameter file': options.params,
-        'a recording': [*options.recordings, *options.holdout]})
+        'a recording': [*options.recordings, *options.holdout, options.simulation]})
     if options.html:
         require_matplotlib()
-    nominal = read_model(options.nominal)
-    _refuse_same_data(options.recordings, options.holdout)
+    nominal = read_model(options.nominal) if options.nominal else None
+    refuse_same_data(options.recordings, options.holdout, options.simulation)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -122,27 +128,42 @@ def run(options: Any) -> int:
 
     topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
     chosen, reading = chosen_parameters(options), reading_of(options)
-    recordings, held_out = (
+    recordings, held_out, simulations = (
         [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen,
                         **reading)
          for path in paths]
-        for paths in (options.recordings, options.holdout)
+        for paths in (options.recordings, options.holdout, filter(None, [options.simulation]))
     )
+    simulated = None
+    for one in simulations:
+        nominal, simulated = diagnose_simulation(
+            one, nominal, seed=options.seed, progress=report_stage)
+    assert nominal is not None
     diagnosis = diagnose(
         recordings, nominal, held_out=held_out, seed=options.seed, progress=report_stage)
     progress.done()
     proposal = choose(diagnosis)
     if proposal is not None:
         diagnosis = replace(diagnosis, next_experiment=proposal.text)
-    _write(diagnosis, proposal, options)  # before the text: piped into `head`, it may end here
+    # Before the text: piped into `head`, it may end here.
+    _write(diagnosis, proposal, options, simulated)
     for recording in filter(lambda one: one.tare, (*recordings, *held_out)):
         print(f'{recording.name}: {recording.tare}')
+    if simulated is not None:
+        print(f'Simulation {options.simulation}: {simulation_text(simulated, nominal)}\n')
     print(as_text(diagnosis))
     return 0
 
 
-def _refuse_same_data(fitted: Sequence[str], held_out: Sequence[str]) -> None:
-    """Refuse to count a recording twice, and to test on the data of the fit."""
+def refuse_same_data(
+    fitted: Sequence[str], held_out: Sequence[str], simulation: str | None
+) -> None:
+    """Refuse to count a recording twice, to test on the data of the fit, and to simulate it."""
+    for path in (*fitted, *held_out):
+        if simulation and share_data(path, simulation):
+            raise RecordingError(
+                f'--simulation {simulation} must be the recording of a simulator, but holds the '
+                f'same data as {path}')
     for one, other in combinations(fitted, 2):
         if share_data(one, other):
             raise RecordingError(
@@ -159,14 +180,19 @@ def _refuse_same_data(fitted: Sequence[str], held_out: Sequence[str]) -> None:
                 )
 
 
-def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:
+def _write(
+    diagnosis: Diagnosis, proposal: Proposal | None, options: Any, simulated: Diagnosis | None
+) -> None:
     experiment = None
     if proposal is not None:
         experiment = _experiment_file(options)
         if experiment is not None:
             new_file(experiment).write_text(experiment_text(proposal.experiment))
     if options.json:
-        text = json.dumps(as_dict(diagnosis, experiment), indent=1, allow_nan=False)
+        report = as_dict(diagnosis, experiment)
+        if simulated is not None:
+            report['simulation'] = as_dict(simulated)
+        text = json.dumps(report, indent=1, allow_nan=False)
         new_file(options.json).write_text(text + '\n')
     if options.html:
         title = ', '.join(Path(path).name for path in options.recordings)

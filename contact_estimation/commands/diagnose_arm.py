@@ -5,42 +5,54 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
-from .command_line import different_files, new_file, topics_of
+from .command_line import chosen_parameters, different_files, new_file, topics_of
 from .progress import Progress
-from ..diagnosis.arm.arm_recording import read_arm_recording
+from ..diagnosis.arm.arm_recording import ArmRecording, read_arm_recording
 from ..diagnosis.arm.conclude import diagnose_arm
+from ..diagnosis.arm.contact import diagnose_contact
 from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
-from ..diagnosis.arm.text import as_dict, as_text
-from ..exceptions import ModelFileError, ParameterRangeError
+from ..diagnosis.arm.text import as_dict, as_text, headline
+from ..diagnosis.compare.comparison_file import as_dict as comparison
+from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.report.corrected_model import model_file
+from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..kinematics.arm_dynamics import ArmDynamics
+from ..plant.plant_parameters import read_model
 from ..reference.arm_excitation import exciting_trajectory
 
-_OF_CONTACTS = ('nominal', 'write_model', 'write_comparison', 'params', 'axis', 'joint')
+_OF_ONE_AXIS = ('axis', 'joint')
 
 
 def run(options: Any) -> int:
     """Diagnose an arm, write the requested files and print the report."""
-    for name in _OF_CONTACTS:
+    for name in _OF_ONE_AXIS:
         if getattr(options, name):
             raise ParameterRangeError(
-                f'--{name.replace("_", "-")} belongs to the diagnosis of a contact, and '
-                '--nominal-robot to that of a whole arm; give one of them')
-    outputs = [options.json, options.html, options.write_urdf, _mjcf(options),
-               options.write_trajectory]
+                f'--{name} belongs to the diagnosis of a single axis, and --nominal-robot to that '
+                'of a whole arm, whose contact lies along contact.normal of --params')
+    if options.write_model and not options.nominal:
+        raise ParameterRangeError(
+            '--write-model needs --nominal MODEL.yaml, the contact that is corrected; '
+            '--write-urdf writes the corrected arm')
+    outputs = [options.json, options.html, options.write_urdf, options.write_trajectory,
+               _beside(options.write_urdf, '.mjcf'), _beside(options.write_trajectory, '.yaml'),
+               options.write_comparison, options.write_model]
     for path in filter(None, outputs):
         new_file(path)
     if options.html:
         require_matplotlib()
-    recordings = [*options.recordings, *options.holdout]
+    recordings = [*options.recordings, *options.holdout, options.simulation]
     different_files(outputs, {
-        'the robot description': [options.nominal_robot], 'a recording': recordings})
+        'the robot description': [options.nominal_robot], 'a recording': recordings,
+        'the nominal model file': [options.nominal], 'a parameter file': options.params})
     urdf = read_description(options.nominal_robot)
     progress, stages = Progress('diagnose'), list[str]()
 
@@ -48,20 +60,45 @@ def run(options: Any) -> int:
         stages.append(text)
         progress.show(min(0.95, len(stages) / 20.0), text)
 
-    topic = topics_of(options).get('joint_states', 'joint_states')
-    fitted, tested = ([read_arm_recording(path, topic) for path in paths]
+    topics, chosen = topics_of(options), chosen_parameters(options)
+    fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
                       for paths in (options.recordings, options.holdout))
-    diagnosis = diagnose_arm(
-        fitted, urdf, held_out=tested, seed=options.seed, progress=report_stage)
+    contact = _contact(options, fitted, report_stage)
+    simulated = None
+    if options.simulation:
+        simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
+                                 seed=options.seed, progress=report_stage)
+    diagnosis = replace(diagnose_arm(
+        fitted, urdf, held_out=tested, seed=options.seed, simulated=simulated,
+        progress=report_stage), contact=contact)
     progress.done()
     _write(diagnosis, urdf, options)
+    if simulated is not None:
+        print(f'Simulation {options.simulation}: {headline(simulated)}.\n')
     print(as_text(diagnosis))
     return 0
 
 
-def _mjcf(options: Any) -> str | None:
-    """Return the file for MuJoCo, beside the corrected description."""
-    return str(Path(options.write_urdf).with_suffix('.mjcf')) if options.write_urdf else None
+def _contact(
+    options: Any, fitted: list[ArmRecording], progress: Callable[[str], None]
+) -> Diagnosis | None:
+    """Diagnose what the tip touches."""
+    if not options.nominal:
+        return None
+    if not any(one.wrench for one in fitted):
+        raise RecordingError(
+            '--nominal, the contact, needs a wrench beside the joint states, got none in '
+            f'{", ".join(options.recordings)}; choose its topic with --topic wrench:=, or leave '
+            '--nominal out')
+    return diagnose_contact(
+        options.recordings, options.nominal_robot, read_model(options.nominal),
+        held_out=options.holdout, topics=topics_of(options),
+        parameters=chosen_parameters(options), seed=options.seed, progress=progress)
+
+
+def _beside(path: str | None, suffix: str) -> str | None:
+    """Return the file beside another: MJCF by a URDF, a message by a table."""
+    return str(Path(path).with_suffix(suffix)) if path else None
 
 
 def _write(diagnosis: ArmDiagnosis, urdf: str, options: Any) -> None:
@@ -73,11 +110,18 @@ def _write(diagnosis: ArmDiagnosis, urdf: str, options: Any) -> None:
         new_file(options.html).write_text(as_html(diagnosis, title), encoding='utf-8')
     if options.write_urdf and not diagnosis.refused:
         new_file(options.write_urdf).write_text(corrected_urdf(diagnosis, urdf))
-        new_file(_mjcf(options) or '').write_text(mjcf_snippet(diagnosis))
+        new_file(_beside(options.write_urdf, '.mjcf') or '').write_text(mjcf_snippet(diagnosis))
+    if options.write_comparison:
+        compared = None if diagnosis.compared is None else comparison(diagnosis.compared)
+        new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
+    if options.write_model and diagnosis.contact is not None:
+        new_file(options.write_model).write_text(model_file(diagnosis.contact))
     if options.write_trajectory:
         arm = ArmDynamics(urdf, [one.name for one in diagnosis.joints] or None)
         motion = exciting_trajectory(arm, options.seed)
         new_file(options.write_trajectory).write_text(motion.as_csv(arm))
+        new_file(_beside(options.write_trajectory, '.yaml') or '').write_text(
+            motion.as_message(arm))
 
 
 def read_description(path: str) -> str:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, NamedTuple, Sequence
 from xml.etree import ElementTree
 
 import numpy as np
@@ -22,6 +22,23 @@ Parameters of a link: mass, first moments m c (3), inertia at its joint (xx, xy,
 """
 
 _PLACEHOLDER_KG, _PLACEHOLDER_KGM2 = 0.05, 1e-9  # no arm's heaviest link is lighter
+
+
+class Outside(NamedTuple):
+    """
+    What acts on an arm from outside, as a sensor of force and torque measures it.
+
+    Attributes
+    ----------
+    frame : str
+        Link in whose axes, and at whose origin, the wrench is measured.
+    wrench : ndarray, shape (N, 6)
+        Of the environment on the arm: force [N], then torque [N m].
+
+    """
+
+    frame: str
+    wrench: Array
 
 
 class ArmDynamics:
@@ -72,6 +89,11 @@ class ArmDynamics:
         self._turns = self.model.nq != self.model.nv
 
     @property
+    def frames(self) -> list[str]:
+        """Names of all links."""
+        return [one.name for one in self.model.frames if 'BODY' in str(one.type)]
+
+    @property
     def masses(self) -> Array:
         """Masses of the links [kg], shape (n,)."""
         return self.neutral[::PER_LINK]
@@ -110,6 +132,59 @@ class ArmDynamics:
         rnea, model, data = self._library.rnea, self.model, self.data
         return np.array([rnea(model, data, self.configuration(x), y, z)
                          for x, y, z in zip(q, v, a)])
+
+    def jacobian(self, q: Array, frame: str) -> Array:
+        """Return J(q) of a link in its own axes, linear rows first, shape (N, 6, n)."""
+        if frame not in self.frames:
+            raise UnknownNameError.among('link of the robot description', frame, self.frames)
+        at = self.model.getFrameId(frame)
+        return np.array([self._library.computeFrameJacobian(
+            self.model, self.data, self.configuration(x), at) for x in q])
+
+    def pose(self, q: Array, frame: str) -> tuple[Array, Array]:
+        """Return axes, as columns (3, 3), and origin (3,) [m] of a link in the root, for one q."""
+        pin = self._library
+        pin.forwardKinematics(self.model, self.data, self.configuration(q))
+        there = pin.updateFramePlacement(self.model, self.data, self.model.getFrameId(frame))
+        return there.rotation.copy(), there.translation.copy()
+
+    def axes(self, q: Array, frame: str) -> Array:
+        """Return the axes of a link in those of the root, as columns, shape (N, 3, 3)."""
+        return np.array([self.pose(x, frame)[0] for x in q])
+
+    def torque_from(self, q: Array, outside: Outside | None) -> Array:
+        """Return J(q)^T F of what acts on the arm, shape (N, n) [N m]."""
+        if outside is None:
+            return np.zeros(np.shape(q))
+        return np.einsum('nij,ni->nj', self.jacobian(q, outside.frame), outside.wrench)
+
+    def apparent_mass(self, q: Array, frame: str, normal: Array) -> Array:
+        """
+        Return the mass that a link has along a direction: 1 / (n . J M^-1 J^T n).
+
+        O. Khatib, A unified approach for motion and force control of robot manipulators, IEEE J.
+        Robotics and Automation 3(1), 1987, eq. (19).
+
+        Parameters
+        ----------
+        q : ndarray, shape (N, n)
+            [rad].
+        frame : str
+            A link.
+        normal : ndarray, shape (3,)
+            Unit vector in axes of the root.
+
+        Returns
+        -------
+        mass : ndarray, shape (N,)
+            [kg].
+
+        """
+        zero = np.zeros(len(self.joints))
+        along = np.einsum('nij,j->ni', self.axes(q, frame).transpose(0, 2, 1), normal)
+        rows = np.einsum('nij,ni->nj', self.jacobian(q, frame)[:, :3], along)
+        return np.array([1.0 / (row @ np.linalg.solve(self.forward(x, zero, zero)[0], row))
+                         for x, row in zip(q, rows)])
 
     def regressor(self, q: Array, v: Array, a: Array) -> Array:
         """Return Y with tau = Y theta in the parameters of all links, shape (N, n, 10 n)."""

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+TIP = 'tip'  # frame at the end of the last link
+
 
 class Link(NamedTuple):
     """A link and the joint that moves it: where that is, its axis, and a body along `to`."""
@@ -43,6 +45,11 @@ ARM_MODELS: dict[str, Sequence[Link]] = {
 }
 """Arms in a plane, with an elbow and a spherical wrist, and with seven joints."""
 
+PRESSING: dict[str, Sequence[float]] = {
+    'planar_3r': (-0.9, 1.3, 0.9), 'elbow_6r': (0.3, 0.3, 0.5, 0.2, 0.9, 0.1),
+    'light_7r': (0.2, 0.4, 0.1, 1.2, 0.1, 0.9, 0.3)}
+"""Joints with the tip above a table, far from singularities [rad]."""
+
 
 def arm_description(name: str) -> str:
     """Return the text of a URDF file."""
@@ -65,6 +72,10 @@ def arm_description(name: str) -> str:
             f'<mass value="{link.mass}"/>\n'
             f'      <inertia ixx="{xx:.6g}" ixy="0" ixz="0" iyy="{yy:.6g}" iyz="0" '
             f'izz="{zz:.6g}"/>\n    </inertial>\n  </link>')
+    rows.append(
+        f'  <link name="{TIP}"/>\n  <joint name="{TIP}_mount" type="fixed">\n'
+        f'    <parent link="link_{len(ARM_MODELS[name])}"/><child link="{TIP}"/>\n'
+        f'    <origin xyz="{_text(ARM_MODELS[name][-1].to)}"/>\n  </joint>')
     return '\n'.join([*rows, '</robot>\n'])
 
 

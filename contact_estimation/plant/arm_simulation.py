@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+import math
 from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arm_models import TIP
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ..physics.contact_law import ContactLaw
 from ..physics.joints import JOINT_EFFECTS, JointEffect, JointMotion, Place
 from ..reference.arm_excitation import ArmTrajectory
 
@@ -74,17 +77,50 @@ class ArmSensors:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedArm:
-    """Joint states: times (N,), positions, velocities and efforts (N, n)."""
+    """Times (N,); positions, velocities, efforts of joints (N, n); wrenches of the tip (N, 6)."""
 
     t: Array
     q: Array
     v: Array
     tau: Array
+    wrench: Array = field(default_factory=lambda: np.zeros((0, 6)))
+
+
+@dataclass(frozen=True, eq=False)
+class Impedance:
+    """
+    A plain Cartesian impedance, which does not shape the inertia, against a wall.
+
+    u = g(q) + J^T (K (x_d - x) + D (v_d - v)) - d q' of the tip, the last link's origin; turning
+    is held by a spring, too. Albu-Schaeffer, Ott and Hirzinger, Int. J. Robotics Research 26(1),
+    2007.
+
+    Attributes
+    ----------
+    normal : ndarray, shape (3,)
+        Unit vector into the wall, axes of the root.
+    wall : ContactLaw
+        Along the normal, from the tip at the start.
+    stiffness, damping, turning, joint_damping : float
+        [N/m], [N s/m], [N m/rad], [N m s/rad].
+    noise : ndarray, shape (6,)
+        Of the wrench.
+
+    """
+
+    normal: Array
+    wall: ContactLaw
+    stiffness: float = 2000.0
+    damping: float = 150.0
+    turning: float = 100.0
+    joint_damping: float = 1.0
+    noise: Array = field(default_factory=lambda: np.zeros(6))
 
 
 def simulate_arm(
     arm: ArmDynamics, wanted: ArmTrajectory, laws: Sequence[ArmLaw], sensors: ArmSensors,
     seed: int = 0, extra: Array | Callable[[Array, Array], Array] | None = None,
+    impedance: Impedance | None = None,
 ) -> SimulatedArm:
     """
     Let an arm follow a trajectory.
@@ -107,9 +143,11 @@ def simulate_arm(
     extra : ndarray, shape (N, n), or callable, optional
         Torque on the joints, which no law describes [N m]: over the times of `wanted`, or of q and
         q' of an instant, such as that of a wall.
+    impedance : Impedance, optional
+        Control in place of that of the joints, and the wall; the tip follows that of `wanted`.
 
     """
-    body = _Body(arm, laws)
+    body = _Body(arm, laws) if impedance is None else _PressingBody(arm, laws, impedance)
     feed = arm.torque(wanted.q, wanted.v, wanted.a)
     times = np.arange(wanted.t[0], wanted.t[-1], _STEP_S)
     q_d, v_d, u_f = (np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
@@ -117,11 +155,20 @@ def simulate_arm(
     pushed = np.zeros_like(u_f) if extra is None or callable(extra) else np.stack(
         [np.interp(times, wanted.t, column) for column in extra.T], axis=1)
     q, v, tau = (np.empty_like(u_f) for _ in range(3))
+    wrench = np.zeros((len(times), 6))
     body.start(q_d[0])
     for k in range(len(times)):
-        push = extra(body.q, body.v) if callable(extra) else pushed[k]
-        q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], push)
-    return _sensed(times, q, v, tau, laws, sensors, np.random.default_rng(seed))
+        pushes = extra(body.q, body.v) if callable(extra) else pushed[k]
+        if impedance is not None:
+            wrench[k], touched = body.touch()
+            pushes = pushes + touched
+        q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], pushes)
+    rng = np.random.default_rng(seed)
+    states = _sensed(times, q, v, tau, laws, sensors, rng)
+    if impedance is None:
+        return states
+    wrench = np.stack([np.interp(states.t, times, column) for column in wrench.T], axis=1)
+    return replace(states, wrench=wrench + impedance.noise * rng.normal(size=wrench.shape))
 
 
 class _Body:
@@ -170,7 +217,7 @@ class _Body:
         h, n, m = _STEP_S, len(self.q), self.motors
         seen, fast = self.q.copy(), self.v.copy()
         seen[m], fast[m] = self.theta, self.omega
-        u = feed + self._stiff * (q_d - seen) + self._damp * v_d
+        u, damp = self._control(q_d, v_d, feed, seen)
         drag = self._friction(fast)
         slope = (self._friction(fast + _SECANT) - drag) / _SECANT
         M, bias = self.arm.forward(self.q, self.v, np.zeros(n))
@@ -190,14 +237,22 @@ class _Body:
                 b[row] += sign * h * K * bent
                 A[row, n + k] -= sign * h * (h * K + D)
                 A[row, j] += sign * h * (h * K + D)
-        A[drives, drives] += h * (slope + self._damp)
+        A[np.ix_(drives, drives)] += h * (np.diag(slope) + damp)
         b[drives] += h * (slope * fast - drag)
         new = np.asarray(np.linalg.solve(A, b), np.float64)
-        u -= self._damp * new[drives]
+        u -= damp @ new[drives]
         self._load = M @ (new[:n] - self.v) / h + bias
         self.v, self.omega = new[:n], new[n:]
         self.q, self.theta = self.q + h * self.v, self.theta + h * self.omega
         return seen, fast, u
+
+    def _control(self, q_d: Array, v_d: Array, feed: Array, seen: Array) -> tuple[Array, Array]:
+        """Return torques less what damps, and the damping, which is implicit."""
+        return feed + self._stiff * (q_d - seen) + self._damp * v_d, np.diag(self._damp)
+
+    def touch(self) -> tuple[Array, Array]:
+        """Return the wrench of the wall at the tip, and the torques that it causes."""
+        return np.zeros(6), np.zeros(len(self.q))
 
     def _spring(self, law: ArmLaw, k: int) -> tuple[float, float, float]:
         """Return stiffness, damping and deflection between a motor and its link."""
@@ -209,6 +264,40 @@ class _Body:
         if abs(bent) <= half:
             return 0.0, 0.0, 0.0
         return _GEAR[0] * size, _GEAR[1] * size, bent - half * np.sign(bent)
+
+
+class _PressingBody(_Body):
+    """The arm under Cartesian impedance, at a wall."""
+
+    def __init__(self, arm: ArmDynamics, laws: Sequence[ArmLaw], impedance: Impedance) -> None:
+        super().__init__(arm, laws)
+        self._impedance = impedance
+
+    def start(self, q: Array) -> None:
+        """Begin at rest; the wall is where its law says, from the tip."""
+        super().start(q)
+        self._origin = self.arm.pose(q, TIP)[1]
+
+    def _control(self, q_d: Array, v_d: Array, feed: Array, seen: Array) -> tuple[Array, Array]:
+        one, arm, n = self._impedance, self.arm, len(seen)
+        (R_d, p_d), (R, p) = arm.pose(q_d, TIP), arm.pose(seen, TIP)
+        J, J_d = (arm.jacobian(x[None], TIP)[0] for x in (seen, q_d))
+        pull = one.stiffness * (R.T @ (p_d - p)) + one.damping * (R.T @ R_d @ (J_d[:3] @ v_d))
+        turn = 0.5 * one.turning * sum(np.cross(R.T @ R[:, k], R.T @ R_d[:, k]) for k in range(3))
+        gravity = arm.forward(seen, np.zeros(n), np.zeros(n))[1]
+        return (gravity + J.T @ np.concatenate([pull, turn]),
+                one.damping * J[:3].T @ J[:3] + one.joint_damping * np.eye(n))
+
+    def touch(self) -> tuple[Array, Array]:
+        """Return the wrench of the wall at the tip, and the torques that it causes."""
+        one = self._impedance
+        R, p = self.arm.pose(self.q, TIP)
+        J, n = self.arm.jacobian(self.q[None], TIP)[0], R.T @ one.normal
+        x, v = float(one.normal @ (p - self._origin)), float(n @ J[:3] @ self.v)
+        touch, wrench = one.wall.touch(0.0, x, v, (), math), np.zeros(6)
+        if touch.contact:
+            wrench[:3] = n * min(one.wall.pull, -touch.resistance)
+        return wrench, J.T @ wrench
 
 
 def _changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:

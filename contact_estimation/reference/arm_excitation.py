@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import json
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,16 @@ class ArmTrajectory:
         rows = np.column_stack([self.t, self.q, self.v, self.a])
         return '\n'.join([','.join(['t', *names]), *(
             ','.join(f'{value:.6g}' for value in row) for row in rows)]) + '\n'
+
+    def as_message(self, arm: ArmDynamics) -> str:
+        """Return a trajectory_msgs/msg/JointTrajectory as YAML, as `ros2 topic pub` takes it."""
+        stamps = [divmod(round(1e9 * t), 1_000_000_000) for t in self.t.tolist()]
+        rows = [np.round(one, 9).tolist() for one in (self.q, self.v, self.a)]
+        return '\n'.join([
+            f'joint_names: {json.dumps(arm.joints)}', 'points:',
+            *(f'- {{positions: {q}, velocities: {v}, accelerations: {a}, '
+              f'time_from_start: {{sec: {sec}, nanosec: {ns}}}}}'
+              for q, v, a, (sec, ns) in zip(*rows, stamps))]) + '\n'
 
 
 def exciting_trajectory(

@@ -5,17 +5,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+from typing import Any, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arm_wrench import ArmWrench
 from ...exceptions import MessageError, RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics
-from ...messages import ArmReading, decode_arm
+from ...messages import ArmReading, decode_arm, ForceTorqueDecoder
+from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.recorded_arm import arm_parameters
 from ...recordings import RecordingReader
+from ...recordings.source import RecordingSource
+from ...recordings.topic_names import canonical
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -40,6 +47,8 @@ class ArmRecording:
         Stamps [s], increasing, from the first.
     q, v, tau : ndarray, shape (N, n)
         Positions [rad], velocities [rad/s] and efforts [N m]; NaN where not published.
+    wrench : ArmWrench, optional
+        Of the contact.
 
     """
 
@@ -49,6 +58,7 @@ class ArmRecording:
     q: Array
     v: Array
     tau: Array
+    wrench: ArmWrench | None = None
 
     @property
     def has_effort(self) -> Flags:
@@ -71,16 +81,31 @@ class ArmRecording:
     def of_joints(self, joints: tuple[str, ...]) -> 'ArmRecording':
         """Return the recording with its joints in another order, or fewer."""
         place = [self.joints.index(name) for name in joints]
-        return ArmRecording(self.name, joints, self.t,
-                            *(one[:, place] for one in (self.q, self.v, self.tau)))
+        return replace(self, joints=joints, q=self.q[:, place], v=self.v[:, place],
+                       tau=self.tau[:, place])
 
 
 def read_arm_recording(
-    path: str | PathLike[str], topic: str = 'joint_states'
+    path: str | PathLike[str], topics: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> ArmRecording:
-    """Read the joint states of a whole arm."""
+    """
+    Read the joint states of a whole arm, and its wrenches if there are any.
+
+    Parameters
+    ----------
+    path : str or path-like
+        Recording.
+    topics : mapping of str to str, optional
+        Recorded topics by 'joint_states' and 'wrench'; these names by default.
+    parameters : mapping, optional
+        Parameters of `estimator_node` by dotted name, of which those of sensor and tool are used.
+
+    """
+    source = RecordingSource.of_topics(topics or {})
+    topic, reader = source.joint_states, RecordingReader(str(path), source)
     readings, refused = dict[str, list[tuple[int, float, float, float]]](), ''
-    for batch in RecordingReader(str(path)).batches([topic]):
+    for batch in reader.batches([topic]):
         for message in batch:
             try:
                 _add(readings, decode_arm(message.data))
@@ -104,7 +129,27 @@ def read_arm_recording(
         values = [_interpolated(stamps, one) for one in series]
     q, v, tau = (np.stack([one[:, k] for one in values], axis=1) for k in range(3))
     finite = np.isfinite(q).all(axis=1)
-    return ArmRecording(Path(path).name, joints, t[finite], q[finite], v[finite], tau[finite])
+    there = canonical(source.wrench) in map(canonical, reader.topics())
+    return ArmRecording(
+        Path(path).name, joints, t[finite], q[finite], v[finite], tau[finite],
+        _wrench(reader, source, parameters or {}, stamps[finite])
+        if there or 'wrench' in (topics or {}) else None)
+
+
+def _wrench(
+    reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any], stamps: Array
+) -> ArmWrench | None:
+    """Read the wrenches and interpolate them to stamps [ns]; None without a frame."""
+    parameters = build(EstimationParameters, arm_parameters(reader, source, chosen))
+    decoder = ForceTorqueDecoder()
+    rows = [decoder.decode(one.data) for one in reader.messages([source.wrench])]
+    frame = parameters.force_sensor.frame or decoder.frame_id
+    if not rows or not frame:
+        return None
+    at, place = np.unique(np.array([stamp for stamp, _ in rows], float), return_index=True)
+    values = np.array([wrench for _, wrench in rows], float)[place]
+    return ArmWrench(frame, np.stack(
+        [np.interp(stamps, at, column) for column in values.T], axis=1), parameters)
 
 
 def _add(readings: dict[str, list[tuple[int, float, float, float]]], one: ArmReading) -> None:

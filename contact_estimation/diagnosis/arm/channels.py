@@ -13,7 +13,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from .arm_recording import ArmRecording, Array, Flags
 from ...exceptions import RecordingError
-from ...kinematics.arm_dynamics import ArmDynamics
+from ...kinematics.arm_dynamics import ArmDynamics, Outside
 from ...physics.joints import JOINT_EFFECTS, JointMotion, Place
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _BENDS = 3.0  # cut-off of torques over that of the loads that bend a joint: bel
 _POSITION = 4.0  # cut-off of positions, in that of torques
 _PER_PERIOD = 4.0  # samples kept in a period of the cut-off
 _ERRORS = 3.0  # two in a period, of any misfit of its band, and one at the steps of friction
+_MEDIAN = 0.455  # of the square of white noise, in its mean
 _REST = 0.04  # of a joint's speed, below which it sticks
 
 
@@ -58,7 +59,11 @@ class Piece:
     t : ndarray, shape (M,)
         From the recording's first sample [s].
     q, v, tau, residual : ndarray, shape (M, n)
-        Positions, velocities, torques, and torques less RNEA.
+        Positions, velocities, torques, and torques less those of the description.
+    felt, felt_noise : ndarray, shapes (M, n), (n,)
+        Torque of what acts on the arm, and mean square of its noise, part of `noise`.
+    outside : Outside or None
+        What acts on the arm.
     noise : ndarray, shape (n,)
         Mean square of white noise that passes the filter, by the power beyond it.
     moving : ndarray of bool, shape (M, n)
@@ -77,6 +82,9 @@ class Piece:
     noise: Array
     moving: Flags
     columns: Columns
+    felt: Array
+    felt_noise: Array
+    outside: Outside | None = None
 
 
 class _Stretch(NamedTuple):
@@ -86,6 +94,8 @@ class _Stretch(NamedTuple):
     t: Array
     q: Array
     tau: Array
+    wrench: Array
+    frame: str
 
 
 def low_pass(x: Array, rate: float, cut_off: float) -> Array:
@@ -94,25 +104,30 @@ def low_pass(x: Array, rate: float, cut_off: float) -> Array:
     return np.asarray(sosfiltfilt(sections, x, axis=0))
 
 
-def _stretches(recording: ArmRecording, file: int) -> Iterable[_Stretch]:
+def _stretches(
+    recording: ArmRecording, arm: ArmDynamics, file: int, frame: str
+) -> Iterable[_Stretch]:
     """Cut a recording at its gaps; interpolate to a grid."""
-    t = recording.t
+    t, wrench = recording.t, np.zeros((len(recording.t), 6 if frame else 0))
+    if recording.wrench is not None:
+        frame, wrench = recording.wrench.outside(arm, recording.q)
     period = float(np.median(np.diff(t)))
     cuts = np.flatnonzero(np.diff(t) > _GAP * period) + 1
     for rows in np.split(np.arange(len(t)), cuts):
         if t[rows[-1]] - t[rows[0]] < _LEAST_S:
             continue
         grid = np.arange(t[rows[0]], t[rows[-1]], period)
-        q, tau = (np.stack([np.interp(grid, t[rows], column) for column in signal[rows].T], 1)
-                  for signal in (recording.q, np.nan_to_num(recording.tau)))
+        q, tau, w = (np.array([np.interp(grid, t[rows], column) for column in signal[rows].T]
+                              ).reshape(-1, len(grid)).T
+                     for signal in (recording.q, np.nan_to_num(recording.tau), wrench))
         step = int(1.0 / period // _RATE) if 1.0 / period > 1.5 * _RATE else 1
         if step > 1:
-            q, tau = (low_pass(one, 1.0 / period, _DECIMATED / (step * period))[::step]
-                      for one in (q, tau))
+            q, tau, w = (low_pass(one, 1.0 / period, _DECIMATED / (step * period))[::step]
+                         for one in (q, tau, w))
             grid = grid[::step]
         count = -(-(grid[-1] - grid[0]) // _LONGEST_S)
         for part in np.array_split(np.arange(len(grid)), max(1, int(count))):
-            yield _Stretch(file, grid[part], q[part], tau[part])
+            yield _Stretch(file, grid[part], q[part], tau[part], w[part], frame)
 
 
 def _cut_off(stretch: _Stretch) -> float:
@@ -157,7 +172,9 @@ class Channels:
         known = np.all([one.has_effort & one.moves for one in recordings], axis=0)
         self.measured = like.measured if like else np.flatnonzero(known).tolist()
         first = len(like.names) if like else 0  # laws of one file hold in no other
-        raw = [part for k, one in enumerate(recordings, first) for part in _stretches(one, k)]
+        frame = next((one.wrench.frame for one in recordings if one.wrench), '')
+        raw = [part for k, one in enumerate(recordings, first)
+               for part in _stretches(one, arm, k, frame)]
         if not raw:
             raise RecordingError(
                 f'{", ".join(self.names)} must have {_LEAST_S:g} s without a gap of {_GAP:g} '
@@ -184,9 +201,10 @@ class Channels:
         q = low_pass(stretch.q, 1.0 / period, _POSITION * self.cut_off)
         v = np.gradient(q, period, axis=0)
         a = np.gradient(v, period, axis=0)
-        load = self.arm.torque(q, v, a)
+        outside = Outside(stretch.frame, stretch.wrench) if stretch.frame else None
+        load = self.arm.torque(q, v, a) - self.arm.torque_from(q, outside)
         return JointMotion(self.arm, q, v, a, load, v[0], q[0],
-                           low_pass(load, 1.0 / period, self.cut_off / _BENDS), period)
+                           low_pass(load, 1.0 / period, self.cut_off / _BENDS), period, outside)
 
     def _terms(self, files: int) -> list[Term]:
         """List all laws at all places; a payload may be that of one file alone."""
@@ -201,7 +219,7 @@ class Channels:
             elif name == 'payload':
                 terms += [Term(name, count - 1, file=f)
                           for f in (range(-1, files) if files > 1 else (-1,))]
-            else:
+            elif not effect.needs_wrench or self.motion.outside is not None:
                 terms += [Term(name, place, shape) for place in places[effect.place]
                           for shape in effect.shapes(self.motion, place)]
         return terms
@@ -214,12 +232,20 @@ class Channels:
         def filtered(x: Array) -> Array:
             return low_pass(x, rate, self.cut_off)[rows]
 
-        tau, v = filtered(stretch.tau), filtered(motion.v)
+        def beyond(x: Array) -> Array:
+            """Return the square of what does not pass, in the share of white noise that does."""
+            share = self.cut_off / (_DECIMATED * rate - self.cut_off)
+            return np.asarray(share * (x - low_pass(x, rate, self.cut_off)) ** 2)
+
+        tau, v, felt = filtered(stretch.tau), filtered(motion.v), motion.felt
+        # Impacts are no noise.
+        felt_noise = np.median(beyond(felt), axis=0) / _MEDIAN
         return Piece(
             stretch.file, stretch.t[rows], motion.q[rows], v, tau, tau - filtered(motion.load),
-            np.mean((stretch.tau - low_pass(stretch.tau, rate, self.cut_off)) ** 2, axis=0)
-            * self.cut_off / (_DECIMATED * rate - self.cut_off),
-            np.abs(v) > _REST * self.speed, self._columns(motion, stretch.file, filtered))
+            beyond(stretch.tau).mean(axis=0) + felt_noise,
+            np.abs(v) > _REST * self.speed, self._columns(motion, stretch.file, filtered),
+            filtered(felt), felt_noise,
+            motion.outside and motion.outside._replace(wrench=motion.outside.wrench[rows]))
 
     def _columns(
         self, motion: JointMotion, file: int, filtered: Callable[[Array], Array]
@@ -255,7 +281,8 @@ class Channels:
 
         """
         torque = self.regressor(piece, j) @ fitted.calibration
-        torque = torque + piece.columns[Term('base_tilt')][j] @ fitted.level
+        for term, theta in fitted.zeros.items():
+            torque = torque + piece.columns[term][j] @ theta
         for term, theta in fitted.theta.items():
             if j in piece.columns[term] and (zeros or term.effect != 'force_bias'):
                 torque = torque + piece.columns[term][j] @ theta

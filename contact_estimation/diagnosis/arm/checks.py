@@ -100,6 +100,16 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
     ]
 
 
+def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
+    """Say if the wrench cannot be used: nothing then tells a contact from friction."""
+    frame = recording.wrench.frame if recording.wrench else ''
+    known = not frame or frame in arm.frames
+    return ArmCheck('wrench_frame', known, 'the sensor of the wrench is a link' if known else (
+        f'{recording.name}: the wrench is measured in {frame}, which is no link of the robot '
+        'description, and is not used: what touches the arm then looks like physics of its '
+        'joints; set force_sensor.frame in --params to the link of the sensor'), False)
+
+
 class Reading:
     """Errors of the plainest model of each joint: RNEA, friction, rotor inertia, zero."""
 
@@ -111,6 +121,9 @@ class Reading:
         self.load = self.tau - np.concatenate([one.residual for one in pieces])
         self.a = np.concatenate([np.gradient(one.v, one.t, axis=0) for one in pieces])
         self.t = np.concatenate([one.t for one in pieces])
+        first = pieces[0].outside
+        self.outside = first and first._replace(wrench=np.concatenate(
+            [one.outside.wrench for one in pieces if one.outside is not None]))
 
     def error(self, tau: Array, k: int, load: Array | None = None) -> float:
         """Return the share of a torque that joint k's motion leaves, friction never driving."""
@@ -178,7 +191,8 @@ def _score(reading: Reading, rows: Any, order: Any, both: bool) -> float:
     """Return the log errors of all joints with motions, or with torques too, in another order."""
     q, v, a, tau = (one[rows] for one in (reading.q, reading.v, reading.a, reading.tau))
     q, v, a, tau = q[:, order], v[:, order], a[:, order], tau[:, order] if both else tau
-    load, total = reading.arm.torque(q, v, a), 0.0
+    outside = reading.outside and reading.outside._replace(wrench=reading.outside.wrench[rows])
+    load, total = reading.arm.torque(q, v, a) - reading.arm.torque_from(q, outside), 0.0
     some = object.__new__(Reading)
     some.__dict__.update(reading.__dict__, v=v, a=a)
     for j in reading.channels.measured:

@@ -5,18 +5,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import nnls
 
 from .arm_recording import ArmRecording, joints_of
+from .arm_wrench import pressed_along
 from .channels import Channels, Term
-from .checks import ArmCheck, check_description, check_efforts, check_units, examine
+from .checks import ArmCheck, check_description, check_efforts, check_units, check_wrench, examine
 from .describe import ArmNames, described
 from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
-from .space import ArmModels, label, MOST_LAWS
+from .space import ArmModels, group_of, label, MOST_LAWS
 from ..compare.beam import Compared, search
 from ..compare.names import likely, Name, Named
 from ...exceptions import ParameterRangeError, RecordingError
@@ -32,18 +34,20 @@ _CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of a
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
 _LEAST_TOOL_KG = 0.1
+_SHOWN = 200  # samples of a motion for the apparent mass
 
 
 def diagnose_arm(
     recordings: ArmRecording | Sequence[ArmRecording], urdf: str, *,
-    held_out: Sequence[ArmRecording] = (), seed: int = 0,
+    held_out: Sequence[ArmRecording] = (), seed: int = 0, simulated: ArmDiagnosis | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> ArmDiagnosis:
     """
     Compare recordings of an arm with its description, and name the physics that this lacks.
 
     The torque of each joint is RNEA(q, q', q'') of the description, whose links are recalibrated
-    by some 5 %, plus laws of JOINT_EFFECTS at their places.
+    by some 5 %, less J^T F of a measured contact, plus laws of JOINT_EFFECTS at their places. Laws
+    that the diagnosis `simulated` of a simulator's recording names are recalibrated and not named.
 
     """
     fitted = [recordings] if isinstance(recordings, ArmRecording) else list(recordings)
@@ -55,7 +59,11 @@ def diagnose_arm(
     arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
     checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
+              *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
               *check_efforts(fitted, arm)]
+    if not all(one.ok for one in checks if one.name == 'wrench_frame'):
+        fitted, tested = ([replace(one, wrench=None) for one in every]
+                          for every in (fitted, tested))
     silent = {name: reason for reason, known in (
         ('rests', [one.moves for one in fitted]),
         ('publishes no effort', [one.has_effort for one in fitted]))
@@ -69,7 +77,8 @@ def diagnose_arm(
     space = ArmModels(Gram(channels), progress)
     compared = search(space, progress, laws=MOST_LAWS)
     named = likely(compared, seed)
-    return _concluded(space, compared, named, checks, silent, tested)
+    return _concluded(space, compared, named, checks, silent, tested,
+                      list(simulated.model) if simulated else [])
 
 
 def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
@@ -84,12 +93,13 @@ def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
 
 def _concluded(
     space: ArmModels, compared: Compared, named: Named, checks: list[ArmCheck],
-    silent: dict[str, str], tested: Sequence[ArmRecording],
+    silent: dict[str, str], tested: Sequence[ArmRecording], known: Sequence[Term],
 ) -> ArmDiagnosis:
     channels = space.gram.channels
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
     effects += [described(names, term, None) for term in _zeros(names)]
+    effects = [one for one in effects if not _is_known(one.term, known)]
     # Every joint has friction: it comes last, and where it is large for its joint first of all.
     effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
                  == 'coupled_friction' else (1.0, -names.of_range(one.term)))
@@ -98,10 +108,30 @@ def _concluded(
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)
     diagnosis = ArmDiagnosis(
         verdict, effects, joints, silent, [*checks, _tool(names, effects)],
-        channels=channels, model=model, fitted=found, compared=compared)
+        channels=channels, model=model, fitted=found, compared=compared,
+        apparent_mass=_apparent_mass(channels))
     held = [_held_out(diagnosis, one) for one in tested]
     return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
                            'next_experiment': _next(effects)})
+
+
+def _is_known(term: Term, known: Sequence[Term]) -> bool:
+    """Return whether a simulator has a law of the same kind at the same place, or a richer one."""
+    return any(group_of(term)[:2] == group_of(one)[:2] and JOINT_EFFECTS[term.effect].laws
+               <= JOINT_EFFECTS[one.effect].laws for one in known)
+
+
+def _apparent_mass(channels: Channels) -> tuple[float, float, float] | None:
+    """Return mean, least and most mass of the tip along the normal of its largest forces."""
+    one = next((one for one in channels.pieces if one.outside is not None), None)
+    if one is None:
+        return None
+    assert one.outside is not None
+    frame, normal = one.outside.frame, pressed_along(channels.arm, one.q, one.outside)
+    if not normal.any():
+        return None
+    mass = channels.arm.apparent_mass(one.q[::max(1, len(one.q) // _SHOWN)], frame, normal)
+    return float(mass.mean()), float(mass.min()), float(mass.max())
 
 
 def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
@@ -138,14 +168,14 @@ def _joints(space: ArmModels, named: Named, effects: Sequence[ArmEffect]) -> lis
     gram, base = space.gram, space.evidence().base
     weights = gram.kept / gram.kept.sum(axis=0)
     nominal = (gram.s / gram.kept * weights).sum(axis=0)
-    before, after = ((weights * (one.left_out - 1.0)).sum(axis=0) * gram.floor
+    before, after = ((weights * (one.left_out - 1.0)).sum(axis=0) * gram.floor + gram.felt_noise
                      for one in (base, named.model))
     noise = np.mean([one.noise for one in gram.channels.pieces], axis=0)[gram.joints]
     results = []
     for k, j in enumerate(gram.joints):
         name = gram.channels.arm.joints[j]
         mine = any(one.torque_shares.get(name, 0.0) >= _WORTH for one in effects)
-        left, was, first = (float(np.sqrt(max(one - noise[k], 0.0)) / gram.span[k])
+        left, was, first = (float(np.sqrt(max(one - noise[k], 0.0)) / gram.reach[k])
                             for one in (after[k], before[k], nominal[k]))
         share = 1.0 - float(after[k] / gram.variance[k])
         explained = 1.0 - left**2 / max(was**2, 1e-12)
@@ -165,9 +195,12 @@ def _plain_friction(
     channels: Channels, j: int, terms: Sequence[Term], named: Named
 ) -> tuple[float, float]:
     """Return F_c and B of sharp Coulomb and viscous friction nearest to a joint's laws."""
-    theta = named.model.found[1].theta
-    laws = [term for term in terms if term.place == j
-            and JOINT_EFFECTS[term.effect].family == 'friction']
+    model, theta = named.model.found[0], named.model.found[1].theta
+    # Where one is named, those too small for a name belong to its friction.
+    laws = [] if all(term.place != j or JOINT_EFFECTS[term.effect].family != 'friction'
+                     for term in terms) else [
+        term for term in sorted(model, key=repr) if term.place == j
+        and JOINT_EFFECTS[term.effect].family == 'friction']
     plain = [next(term for term in channels.terms if term[:2] == (name, j))
              for name in ('coulomb_friction', 'viscous_friction')]
     if not laws:
@@ -198,14 +231,16 @@ def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:
     channels = diagnosis.channels
     assert channels is not None and diagnosis.fitted is not None
     other = Channels([recording], channels.arm, like=channels)
-    shares: tuple[dict[str, float], dict[str, float]] = {}, {}
+    shares: tuple[dict[str, float], ...] = {}, {}, {}
     for j in channels.measured:
-        tau = np.concatenate([one.tau[:, j] for one in other.pieces])
-        nominal = np.concatenate([one.residual[:, j] for one in other.pieces])
+        tau, nominal, moving = (np.concatenate([getattr(one, name)[:, j] for one in other.pieces])
+                                for name in ('tau', 'residual', 'moving'))
         left = nominal - np.concatenate(
             [channels.predicted(one, j, diagnosis.fitted, zeros=False) for one in other.pieces])
-        for share, error in zip(shares, (nominal, left - left.mean())):
-            share[channels.arm.joints[j]] = 1.0 - float(np.mean(error**2) / tau.var())
+        for share, error, rows in zip(
+                shares, (nominal, left, left), (moving, moving, np.ones_like(moving))):
+            error = error[rows] - (0.0 if error is nominal else error[rows].mean())
+            share[channels.arm.joints[j]] = 1.0 - float(np.mean(error**2) / tau[rows].var())
     return HeldOutArm(recording.name, *shares)
 
 

@@ -19,11 +19,13 @@ from ..compare.beam import Compared
 from ..compare.names import Named
 from ..compare.shares import share_of
 from ..conclude.result import Value
+from ...kinematics.arm_dynamics import PER_LINK
 from ...physics.joints import JOINT_EFFECTS
 
 _SHOWS = 0.1  # of the largest share of a law of the whole arm: joints that show it
 _WEAK = 0.05  # of the largest range of a torque
 _REGION = 1.5  # times the mean, for a law to be located in a region
+_SAME = 1e-3  # of the square of a torque: what is the same in another place
 _INTERVALS = 3  # that are listed
 
 
@@ -131,8 +133,23 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
         {arm.joints[joints[k]]: float(size) for k, size in enumerate(sizes) if size > 0.0},
         names.gain(term) if name is not None else 0.0,
         [] if name is None else list(dict.fromkeys(
-            [*(in_words(one, arm) for one in name.alike), *rivals])),
+            [*(in_words(one, arm) for one in name.alike), *rivals, *_in_links(names, term)])),
         *_located(names, term, joints[main]), note)
+
+
+def _in_links(names: ArmNames, term: Term) -> list[str]:
+    """Return the link whose inertia is the same torque in all joints as a law of its joint."""
+    channels = names.space.gram.channels
+    if JOINT_EFFECTS[term.effect].family != 'inertia':
+        return []
+    last = PER_LINK * term.place + PER_LINK
+    X, y = (np.concatenate(rows) for rows in zip(*(
+        (channels.regressor(one, j)[:, last - PER_LINK:last],
+         one.columns[term][j] @ names.theta[term] if j == term.place else np.zeros(len(one.t)))
+        for one in channels.pieces for j in channels.measured)))
+    rest = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
+    return [f'link_inertia at {channels.arm.links[term.place]}'
+            ] if rest @ rest < _SAME * (y @ y) else []
 
 
 def in_words(one: str, arm: Any) -> str:

@@ -25,13 +25,18 @@ from ..compare.constants import ARM
 from ...physics.joints import JOINT_EFFECTS
 from ...physics.joints.carried_load import typical_inertial
 
-CALIBRATION, _TILT = Term('calibration'), Term('base_tilt')
+CALIBRATION = Term('calibration')
 # Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
 GAIN_STD = 0.15
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
-LEVEL = 0.01  # of the base, level by eye [rad]
+# Standard deviations of zeros that are fitted and are no finding: the level of the base, by eye
+# [rad], and zero and gain of a wrench that was tared [N], [N m].
+ZEROS = {Term('base_tilt'): np.full(2, 0.01),
+         Term('wrench_bias'): np.array([2.0, 2.0, 2.0, 0.2, 0.2, 0.2]),
+         Term('wrench_gain'): np.array([0.02])}
 FLOOR = ARM.instrument  # of the range of a joint's torque: what no model of an arm explains
 _DIRECTIONS, _LEAST = 24, 0.002  # of calibration that move a torque by this share of its range
+_NOISE_KNOWN = 0.4  # of the mean square of noise: its standard deviation to a fifth
 _BLOCKS = 16
 _INDEPENDENT = ARM.independent  # errors of a block
 
@@ -46,8 +51,8 @@ class Fitted(NamedTuple):
         Coefficients.
     calibration : ndarray, shape (10 n,)
         Change of the links' parameters that is no finding.
-    level : ndarray, shape (2,)
-        Tilt of the base that is no finding [rad].
+    zeros : dict of Term to ndarray
+        Tilt of the base, and zero of the wrench, that are no finding.
     left_out, fitted : ndarray, shape (B, C)
         Mean squares of the errors of each block and joint, of the fit on the others and on all
         [N^2 m^2].
@@ -64,7 +69,7 @@ class Fitted(NamedTuple):
 
     theta: dict[Term, Array]
     calibration: Array
-    level: Array
+    zeros: dict[Term, Array]
     left_out: Array
     fitted: Array
     shared: tuple[Term, ...]
@@ -83,6 +88,8 @@ class Gram:
         w_j, settable.
     counts : ndarray, shape (B, C)
         Independent errors.
+    reach : ndarray, shape (C,)
+        Range of the torques, with that of what the wrench takes out of them [N m].
     floor : ndarray, shape (C,)
         Mean square of what no model explains [N^2 m^2].
     variance : ndarray, shape (C,)
@@ -94,10 +101,15 @@ class Gram:
         self.channels, self.joints = channels, channels.measured
         tau = np.concatenate([one.tau for one in channels.pieces])[:, self.joints]
         self.span: Array = np.ptp(np.percentile(tau, (0.5, 99.5), axis=0), axis=0) + 1e-9
-        self.floor: Array = (FLOOR * self.span) ** 2
+        felt = np.concatenate([one.felt for one in channels.pieces])[:, self.joints]
+        self.felt_noise: Array = np.mean(
+            [one.felt_noise for one in channels.pieces], axis=0)[self.joints]
+        self.reach: Array = np.hypot(self.span, np.ptp(felt, axis=0))
+        self.floor: Array = (FLOOR * self.reach) ** 2 + _NOISE_KNOWN * self.felt_noise
         self.variance: Array = tau.var(axis=0) + 1e-12
         self.scales = {term: self._scale(term) for term in channels.terms}
         self.directions = self._directions()
+        self.zeros = {term: std for term, std in ZEROS.items() if term in channels.terms}
         self.shared = {term for term in channels.terms
                        if JOINT_EFFECTS[term.effect].place != 'joint'
                        or len(channels.pieces[0].columns[term]) > 1}
@@ -150,7 +162,7 @@ class Gram:
                 (CALIBRATION, *mine), ends[:-1], ends[1:])})
             wide = {id(one): np.concatenate(
                 [self.channels.regressor(one, j) @ self.directions,
-                 LEVEL * one.columns[_TILT][j],
+                 *(std * one.columns[term][j] for term, std in self.zeros.items()),
                  *(one.columns[term][j] * self.scales[term] for term in mine)], axis=1)
                 for one in pieces}
             sums.append([])
@@ -166,6 +178,10 @@ class Gram:
         # Of the fit on all blocks but one, for each, and on all.
         self.G_fit, self.c_fit = ([np.concatenate([one.sum(0) - one, one.sum(0)[None]])
                                    for one in every] for every in (self.G, self.c))
+
+    def beyond(self, errors: Array) -> Array:
+        """Return mean squares beyond the wrench's noise, and one more unit, in the floor."""
+        return np.asarray(np.maximum(errors - self.felt_noise, 0.0) / self.floor + 1.0)
 
     def weights_for(self, errors: Array) -> Array:
         """Return w_j for errors (B, C): so many independent ones as there are in a block."""
@@ -213,7 +229,7 @@ class Gram:
     def width(self, term: Term) -> int:
         """Return the number of coefficients of a term."""
         if term == CALIBRATION:
-            return int(self.directions.shape[1]) + 2
+            return int(self.directions.shape[1]) + sum(map(len, self.zeros.values()))
         return len(self.scales[term])
 
     def split(self, model: Iterable[Term]) -> tuple[list[tuple[Term, ...]], tuple[Term, ...]]:
@@ -262,11 +278,14 @@ class Gram:
         theta.update(_divided(shared, widths, both[-1]))
         covariance = np.linalg.inv(A)
         known = float(np.sum(1.0 - np.diag(covariance)[widths[0]:]))
-        calibration = theta.pop(CALIBRATION)
+        calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
+        zeros = _divided(list(self.zeros), [len(std) for std in self.zeros.values()],
+                         calibration[moved:])
         return Fitted(
             {term: self.scales[term] * one for term, one in theta.items()},
-            self.directions @ calibration[:-2], LEVEL * calibration[-2:], left_out, fitted, shared,
-            np.asarray(covariance), known, 0.5 * float(calibration @ calibration))
+            self.directions @ calibration[:moved],
+            {term: self.zeros[term] * one for term, one in zeros.items()}, left_out, fitted,
+            shared, np.asarray(covariance), known, 0.5 * float(calibration @ calibration))
 
     def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
         """Return the covariance of the coefficients of each law of a model."""

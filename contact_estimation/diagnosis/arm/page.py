@@ -13,6 +13,7 @@ from .arm_recording import Array
 from .result import ArmDiagnosis
 from .text import headline, value_text
 from ..report.page import environment
+from ..report.text_report import as_text as contact_text
 from ...figures import BLUE, figure_style, GREY, INK, MUTED, new_figure, ORANGE
 from ...kinematics.arm_dynamics import ArmDynamics
 
@@ -29,6 +30,7 @@ def as_html(d: ArmDiagnosis, title: str) -> str:
     shown = d.joints and d.channels is not None
     return template.render(
         d=d, title=title, verdict=verdict, headline=headline(d), value_text=value_text,
+        contact=d.contact and contact_text(d.contact),
         failed=[one for one in d.checks if not one.ok],
         passed=[one for one in d.checks if one.ok],
         arm=plot_arm(d) if shown else None, joints=plot_joints(d) if shown else None,

@@ -13,7 +13,7 @@ from .channels import Channels, Term
 from .checks import ArmCheck
 from .gram import Fitted
 from ..compare.beam import Compared
-from ..conclude.result import Value
+from ..conclude.result import Diagnosis, Value
 
 VERDICTS = ('consistent', 'recalibrate', 'physics_missing', 'unexplained')
 """From the best to the worst."""
@@ -124,11 +124,25 @@ class JointResult:
 
 @dataclass(frozen=True)
 class HeldOutArm:
-    """A recording that was not fitted: share of each joint's torque, nominal and corrected."""
+    """
+    A recording that was not fitted.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    nominal, corrected : dict of str to float
+        Share of each joint's torque that is predicted while it moves.
+    with_rests : dict of str to float
+        The same of all samples: at rest friction holds whatever it is loaded with, and no law of
+        the motion tells how much that is.
+
+    """
 
     name: str
     nominal: dict[str, float]
     corrected: dict[str, float]
+    with_rests: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +174,10 @@ class ArmDiagnosis:
         Its fit.
     compared : Compared or None
         All models.
+    contact : Diagnosis or None
+        Of what the tip touches, without a robot; None if no nominal contact was given.
+    apparent_mass : tuple of float or None
+        Of the tip along the direction in which it presses: mean, least and most [kg].
 
     """
 
@@ -174,6 +192,8 @@ class ArmDiagnosis:
     model: frozenset[Term] = frozenset()
     fitted: Fitted | None = None
     compared: Compared | None = None
+    contact: Diagnosis | None = None
+    apparent_mass: tuple[float, float, float] | None = None
 
     @property
     def refused(self) -> bool:

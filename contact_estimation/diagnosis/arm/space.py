@@ -110,7 +110,7 @@ class ArmModels:
         return Scored(
             tuple(map(label, laws)), tuple(map(family_of, laws)),
             (len(laws), [_rank(term) for term in laws]),
-            found.left_out / self.gram.floor + 1.0, found.fitted / self.gram.floor + 1.0,
+            self.gram.beyond(found.left_out), self.gram.beyond(found.fitted),
             self.gram.counts,
             found.known + shaped + sum(len(self.gram.scales[term]) for term in local),
             sum(JOINT_EFFECTS[term.effect].laws for term in laws),
@@ -280,7 +280,8 @@ class _JointJudge:
                 'bp,bpq,bq->b', theta, G, theta)
             errors.append(np.maximum(e, 0.0) / gram.kept[:, k])
         expected = c.left_out * errors[0] + (1.0 - c.left_out) * errors[1]
-        likelihood = -0.5 * gram.counts[:, k] * np.log(expected / gram.floor[k] + 1.0)
+        beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
+        likelihood = -0.5 * gram.counts[:, k] * np.log(beyond / gram.floor[k] + 1.0)
         return float(likelihood.sum()) - prior
 
 

@@ -10,7 +10,8 @@ from typing import Any
 
 from .result import ArmDiagnosis, ArmEffect
 from ..conclude.result import Value
-from ..report.json_report import finite
+from ..report.json_report import as_dict as contact_dict, finite
+from ..report.text_report import as_text as contact_text
 
 _COLUMNS = (('joint', '<24'), ('verdict', '<16'), ('range', '>9'), ('nominal', '>9'),
             ('recalibr.', '>10'), ('corrected', '>10'), ('explained', '>10'),
@@ -54,8 +55,13 @@ def as_text(d: ArmDiagnosis) -> str:
     if d.joints:
         sections.append(_joints(d))
     sections += [_held_out(d)] if d.holdouts else []
+    if d.apparent_mass:
+        sections.append(['Apparent mass of the tip along the direction in which it presses: '
+                         '{:.3g} kg ({:.3g} to {:.3g} kg)'.format(*d.apparent_mass)])
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}.'])
+    if d.contact is not None:
+        sections += [['What the tip touches:'], [contact_text(d.contact)]]
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
 
 
@@ -99,10 +105,12 @@ def _row(cells: list[str]) -> str:
 
 
 def _held_out(d: ArmDiagnosis) -> list[str]:
-    lines = ['Share of the torque explained in recordings that were not fitted']
+    lines = ['Share of the torque explained in recordings that were not fitted, while the joint '
+             'moves (with its rests, where friction may hold anything)']
     for one in d.holdouts:
         lines += [f'  {one.name}: ' + ', '.join(
-            f'{joint} {100.0 * share:.1f} %' for joint, share in one.corrected.items())]
+            f'{joint} {100.0 * share:.1f} % ({100.0 * one.with_rests[joint]:.1f} %)'
+            for joint, share in one.corrected.items())]
     return lines
 
 
@@ -124,8 +132,12 @@ def as_dict(d: ArmDiagnosis) -> dict[str, Any]:
         'checks': [{'name': one.name, 'ok': one.ok, 'text': one.text, 'fatal': one.fatal}
                    for one in d.checks],
         'fit': {'holdouts': [{'name': one.name, 'share': one.corrected,
-                              'share_nominal': one.nominal} for one in d.holdouts]},
+                              'share_nominal': one.nominal,
+                              'share_with_rests': one.with_rests} for one in d.holdouts]},
         'next_experiment': {'text': d.next_experiment} if d.next_experiment else None,
+        'apparent_mass_kg': d.apparent_mass and dict(
+            zip(('mean', 'least', 'most'), d.apparent_mass)),
+        'contact': d.contact and contact_dict(d.contact),
     })
 
 

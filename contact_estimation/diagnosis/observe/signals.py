@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -89,6 +89,12 @@ def signals_of(recorded: RecordedSignals) -> Signals:
         seconds(wrench.stamp_ns), wrench.values[0], seconds(joints.stamp_ns), joints.values[0],
         seconds(reference.stamp_ns), reference.values,
     )
+
+
+def without_reference(recording: Recording) -> Recording:
+    """Return a recording of which the contact alone is diagnosed, whatever moves the tip."""
+    return replace(recording, signals=recording.signals._replace(
+        reference_t=np.zeros(0), reference=np.zeros((4, 0))))
 
 
 def check_signals(signals: Signals) -> None:

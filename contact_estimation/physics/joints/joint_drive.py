@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from .joint_effect import JointEffect, JointMotion, Place, positive
-from .joint_friction import sign
 from ..numeric import Array
 
 _DEFLECTION = 0.01  # largest of a gear [rad]
+_GAPS = (0.002, 0.007, 0.02, 0.035, 0.06)  # of worn gears [rad]
+_ONE_SIDE = 0.02  # of the time
+_LIGHT = 1e-6  # [kg m^2]: descriptions have links without inertia
 _RESONANCE_HZ = 10.0  # the lowest of a drive that is built
 
 
@@ -28,10 +30,28 @@ def _lagging(motion: JointMotion, j: int, shift: Array) -> dict[int, Array]:
     return {k: change[:, k][:, None] for k in range(change.shape[1])}
 
 
-def _half_gap(motion: JointMotion, j: int) -> Array:
-    """Return half a gap of 1 rad, to the side that the load presses."""
-    load = motion.carried[:, j]
-    return 0.5 * sign(load, 0.1 * float(np.sqrt(np.mean(load**2))) + 1e-12)
+def _gaps(motion: JointMotion, j: int) -> tuple[float, ...]:
+    """Return gaps to compare; none where the load stays on one side, so that no gap shows."""
+    positive_load = float(np.mean(motion.carried[:, j] > 0.0))
+    return _GAPS if _ONE_SIDE < positive_load < 1.0 - _ONE_SIDE else ()
+
+
+def through_gap(motion: JointMotion, j: int, gap: float) -> Array:
+    """
+    Return by how much a link lags behind its motor, which it leaves when the load changes side.
+
+    Free between the ends of the gap, y'' = load / I_j, and without a rebound at them.
+    """
+    rates = (motion.carried[:, j] / np.maximum(motion.inertia[:, j], _LIGHT)).tolist()
+    h, half = motion.period, 0.5 * gap
+    y, speed, lag = half if rates[0] > 0.0 else -half, 0.0, []
+    for rate in rates:
+        speed += h * rate
+        y += h * speed
+        if abs(y) >= half:
+            y, speed = half if y > 0.0 else -half, 0.0
+        lag.append(y)
+    return np.array(lag)
 
 
 def _delayed(motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
@@ -87,7 +107,9 @@ DRIVE = (
         group='transmission', possible=positive,
         typical=lambda motion, j: np.array([(2.0 * np.pi * _RESONANCE_HZ) ** -2])),
     JointEffect(
-        'backlash', 'clearance', 'tau = RNEA(q - gap / 2 sgn(load_j))', (('gap', 'rad'),),
-        lambda motion, j, _: _lagging(motion, j, _half_gap(motion, j)), group='transmission',
-        typical=lambda motion, j: np.array([_DEFLECTION]), possible=positive),
+        'backlash', 'clearance', "tau = RNEA(q - y), |y| <= gap / 2, y'' = load_j / M_jj between",
+        (('gap', 'rad'),), lambda motion, j, gap: {k: column / gap for k, column in _lagging(
+            motion, j, through_gap(motion, j, gap)).items()} if motion.period else {},
+        group='transmission', typical=lambda motion, j: np.array([_GAPS[-1]]),
+        possible=positive, shape=('simulated gap', 'rad'), shapes=_gaps),
 )

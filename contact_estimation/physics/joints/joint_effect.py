@@ -12,7 +12,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 from ..numeric import Array
-from ...kinematics.arm_dynamics import ArmDynamics
+from ...kinematics.arm_dynamics import ArmDynamics, Outside
 
 Place = Any
 """A joint, or the link that it moves: int; two joints and the sign of their sum; the arm: None."""
@@ -30,13 +30,15 @@ class JointMotion:
     q, v, a : ndarray, shape (N, n)
         Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
     load : ndarray, shape (N, n)
-        RNEA(q, v, a) [N m].
+        What the drives must give, see `torque` [N m].
     speed, middle : ndarray, shape (n,)
         What each joint exceeds in 5 % of the time [rad/s], and its mean position [rad].
     carried : ndarray, shape (N, n)
         The load within the band of the motion [N m]: what bends a joint is differentiated twice.
     period : float
         Between samples [s].
+    outside : Outside, optional
+        Measured contact.
 
     """
 
@@ -49,11 +51,27 @@ class JointMotion:
     middle: Array
     carried: Array
     period: float = 0.0
+    outside: Outside | None = None
+
+    def torque(self, q: Array, v: Array, a: Array) -> Array:
+        """Return RNEA(q, v, a) - J(q)^T F with the measured F, shape (N, n)."""
+        return self.arm.torque(q, v, a) - self.arm.torque_from(q, self.outside)
+
+    @property
+    def felt(self) -> Array:
+        """Return J(q)^T F, the torque of what acts on the arm, shape (N, n) [N m]."""
+        return self.arm.torque_from(self.q, self.outside)
 
     @cached_property
     def regressor(self) -> Array:
         """Return Y of `ArmDynamics.regressor`, shape (N, n, 10 n)."""
         return self.arm.regressor(self.q, self.v, self.a)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Return the inertia that each joint moves, shape (N, n) [kg m^2]."""
+        zero = np.zeros(self.q.shape[1])
+        return np.array([np.diag(self.arm.forward(x, zero, zero)[0]) for x in self.q])
 
     def rate(self, signal: Array) -> Array:
         """Return the time derivative of a signal, first axis time."""
@@ -65,7 +83,7 @@ class JointMotion:
         for signal in moved:
             signal[:, joint] -= shift
             shift = self.rate(shift)
-        return self.arm.torque(*moved) - self.load
+        return self.torque(*moved) - self.load
 
 
 @dataclass(frozen=True)
@@ -99,6 +117,8 @@ class JointEffect:
         Number of laws that it is made of: 2 if it refines a plainer one.
     is_curve : bool
         Whether it is a curve that follows almost any slow misfit of a joint.
+    needs_wrench : bool
+        Whether it is of a sensor of force and torque.
 
     """
 
@@ -115,6 +135,7 @@ class JointEffect:
     possible: Callable[[Array], bool] = lambda theta: True
     laws: int = 1
     is_curve: bool = False
+    needs_wrench: bool = False
 
     def columns(self, motion: JointMotion, place: Place, shape: Any = 0.0) -> dict[int, Array]:
         """

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 import json
 from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
@@ -15,14 +16,21 @@ from numpy.typing import NDArray
 
 from ...diagnosis.arm.arm_recording import read_arm_recording
 from ...diagnosis.arm.conclude import diagnose_arm
+from ...diagnosis.arm.contact import diagnose_contact
 from ...diagnosis.arm.text import as_dict
+from ...diagnosis.report.json_report import as_dict as contact_dict
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
-from ...messages import encode_arm
+from ...messages import encode_arm, ForceTorqueEncoder
+from ...parameters.values import build
+from ...physics import EFFECTS, effects_that_are_on
+from ...physics.contact_law import ContactLaw
 from ...physics.joints import JOINT_EFFECTS
-from ...plant.arm_models import arm_description, ARM_MODELS
-from ...plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm, SimulatedArm
+from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
+from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
+from ...plant.plant_parameters import PlantParameters
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory
+from ...reference.arm_pressing import pressing_motion
 
 Array = NDArray[np.float64]
 Draw = Callable[['_Arm', np.random.Generator], ArmLaw]
@@ -121,15 +129,42 @@ KINDS: Mapping[str, Draw] = {
 }
 """What is concealed, beside nothing, and a torque that is no function of the state."""
 
+_STIFFNESS, _DAMPING, _SURFACE = 4800.0, 60.0, 0.012  # of the wall [N/m], [N s/m], [m]
+_DEPTH = 0.03
+_WALL_LAWS: Mapping[str, Callable[[np.random.Generator], float]] = {
+    'dead_zone': lambda rng: rng.uniform(0.002, 0.005),
+    'cubic_stiffness': lambda rng: rng.uniform(0.3, 0.8) * _STIFFNESS / _DEPTH**2,
+    'quadratic_damping': lambda rng: rng.uniform(300.0, 800.0),
+}
+_LOADED = _at('coulomb_friction', 'loaded', 0.15, 0.3)
+_STIFF = 0.2  # of the compliance in free motion: what presses with 60 N would move centimetres
 
-def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[str, Any]]:
+
+def _wall_law(kind: str, rng: np.random.Generator) -> dict[str, float]:
+    """Return the parameter of a law of the wall."""
+    (name,) = EFFECTS[kind].Parameters.__dataclass_fields__
+    return {f'physics.{kind}.{name}': float(_WALL_LAWS[kind](rng))}
+
+
+PRESSED = (CLEAN, 'coulomb_friction', 'dead_zone', 'joint_flexibility', CLEAN, 'payload',
+           'cubic_stiffness', 'force_gain', CLEAN, 'quadratic_damping')
+"""What is concealed in arms that press on a wall: in their joints, or in the wall."""
+
+
+def _drawn(
+    kind: str, number: int, seed: int, pressing: bool
+) -> tuple[str, SimulatedArm, dict[str, Any]]:
     """Return description, recording and truth of one world."""
     rng = np.random.default_rng((seed, number))
     name = list(ARM_MODELS)[(number + number // (len(KINDS) + 2)) % len(ARM_MODELS)]
     urdf = arm_description(name)
     arm = ArmDynamics(urdf)
     n = len(arm.joints)
-    motion = exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES)
+    normal = np.array([0.0, 0.0, -1.0])
+    if pressing:
+        motion = pressing_motion(arm, TIP, np.array(PRESSING[name]), normal, rng)
+    else:
+        motion = exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES)
     one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
     links = np.clip(1.0 + _LINKS_OFF * rng.normal(size=n), 0.95, 1.05)
     true = arm.with_parameters(arm.neutral * np.repeat(links, PER_LINK))
@@ -140,9 +175,19 @@ def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[s
     laws += [ArmLaw('force_bias', [zero], j)
              for j, zero in enumerate(rng.normal(size=n) * 0.005 * one.size)]
     truth: dict[str, Any] = {'kind': kind, 'arm': name, 'effects': []}
-    extra = None
+    extra, impedance = None, None
+    if pressing:
+        wall = [] if kind not in _WALL_LAWS else effects_that_are_on(
+            build(PlantParameters, _wall_law(kind, rng)).physics)
+        truth['effects'] = [{'name': one.name, 'family': one.family, 'place': None}
+                            for one in wall]
+        impedance = Impedance(
+            normal, ContactLaw(_STIFFNESS, _DAMPING, _SURFACE, 0.0, True, wall),
+            noise=np.array(3 * [0.3] + 3 * [0.02]))
     if kind in KINDS:
-        law = KINDS[kind](one, rng)
+        law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
+        if pressing and kind == 'joint_flexibility':
+            law = replace(law, theta=[_STIFF * law.theta[0]])
         laws.append(law)
         place = law.place
         truth['effects'] = [{'name': kind, 'family': JOINT_EFFECTS[kind].family,
@@ -158,7 +203,7 @@ def _drawn(kind: str, number: int, seed: int) -> tuple[str, SimulatedArm, dict[s
         truth['effects'] = [{'name': UNKNOWN, 'place': arm.joints[j]}]
     sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
                          rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
-    return urdf, simulate_arm(true, motion, laws, sensors, number, extra), truth
+    return urdf, simulate_arm(true, motion, laws, sensors, number, extra, impedance), truth
 
 
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
@@ -169,35 +214,64 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
             stamp = round(1e9 * t)
             writer.write('joint_states', 'sensor_msgs/msg/JointState',
                          encode_arm(stamp, joints, q, v, tau), stamp)
+        encoder = ForceTorqueEncoder(TIP)
+        for t, wrench in zip(states.t, states.wrench.tolist()):
+            stamp = round(1e9 * t)
+            writer.write('wrench', 'geometry_msgs/msg/WrenchStamped',
+                         encoder.encode(stamp, wrench), stamp)
 
 
 def run_arm_trials(
     folder: Path, count: int, seed: int, progress: Callable[[float, str], None],
-    only_write: bool = False,
+    only_write: bool = False, pressing: bool = False,
 ) -> list[dict[str, Any]]:
-    """Draw worlds, diagnose them blind, and score; what is in the folder already is used again."""
+    """
+    Draw worlds, diagnose them blind, and score; what is in the folder already is used again.
+
+    With `pressing` the arms press on a wall, under a Cartesian impedance that the diagnosis is not
+    told, and what they touch is diagnosed, too.
+    """
     given, sealed, reports = (folder / name for name in ('handed_over', 'sealed', 'reports'))
     for one in (given, sealed, reports):
         one.mkdir(parents=True, exist_ok=True)
-    kinds, outcomes = [*KINDS, CLEAN, UNKNOWN], []
+    kinds, outcomes = PRESSED if pressing else [*KINDS, CLEAN, UNKNOWN], []
     for k in range(count):
-        kind, stem = kinds[k % len(kinds)], f'arm_{seed}_{k:03d}'
+        kind = kinds[k % len(kinds)]
+        stem = f'{"press" if pressing else "arm"}_{seed}_{k:03d}'
         recording, urdf = given / f'{stem}.mcap', given / f'{stem}.urdf'
         truth, report = sealed / f'{stem}.json', reports / f'{stem}.json'
         progress(k / count, stem)
         if not truth.exists():
-            text, states, drawn = _drawn(kind, k, seed)
+            text, states, drawn = _drawn(kind, k, seed, pressing)
             urdf.write_text(text)
             write_arm_recording(recording, ArmDynamics(text).joints, states)
             truth.write_text(json.dumps(drawn, indent=1) + '\n')
         if only_write:
             continue
         if not report.exists():
-            found = diagnose_arm(read_arm_recording(recording), urdf.read_text())
-            report.write_text(json.dumps(as_dict(found), indent=1) + '\n')
+            found = as_dict(diagnose_arm(read_arm_recording(recording), urdf.read_text()))
+            if pressing:
+                found = _with_contact(found, recording, urdf)
+            report.write_text(json.dumps(found, indent=1) + '\n')
         outcomes.append(scored(
             json.loads(truth.read_text()), json.loads(report.read_text()), stem))
     return outcomes
+
+
+def _with_contact(report: dict[str, Any], recording: Path, urdf: Path) -> dict[str, Any]:
+    """Return a report with the names of what the arm touches, after those of its joints."""
+    dynamics = ArmDynamics(urdf.read_text())
+    nominal = build(PlantParameters, {
+        'environment.stiffness': _STIFFNESS, 'environment.damping': _DAMPING,
+        'environment.location': _SURFACE - float(
+            dynamics.pose(np.array(PRESSING[dynamics.model.name]), TIP)[1][2])})
+    contact = contact_dict(diagnose_contact([recording], urdf, nominal, parameters={
+        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': [0.0, 0.0, -1.0]}))
+    names = [{**one, 'joints': [], 'link': None, 'place': 'the wall'}
+             for one in contact['effects']]
+    bad = 'unexplained' in (report['verdict'], contact['verdict'])
+    return {**report, 'contact': contact, 'effects': report['effects'] + names,
+            'verdict': 'unexplained' if bad else report['verdict']}
 
 
 def scored(truth: Mapping[str, Any], report: Mapping[str, Any], world: str) -> dict[str, Any]:
