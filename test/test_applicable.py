@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import ATTACHED, nominal, prepared_from, recorded
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from concealed_worlds import ATTACHED, nominal, prepared_from
 from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
-from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
@@ -37,29 +36,6 @@ def candidates(x: np.ndarray, **changes: Any) -> set[str]:
     return set(candidates_in([recording], model))
 
 
-def test_every_effect_of_a_wall_may_be_added_where_there_is_a_robot() -> None:
-    recording, model = prepared_from(recorded())
-    assert candidates_in([recording], model) == OF_TOUCH
-
-
-def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
-    recording, model = without_robot(TO_AND_FRO)
-    left_out = set(OF_TOUCH) - set(candidates_in([recording], model))
-    of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
-    assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity', 'tool_weight'}
-
-
-@pytest.mark.parametrize('mass, found', [(0.0, True), (2.0, False)])
-def test_a_gear_may_have_play_unless_the_force_moves_a_mass(mass: float, found: bool) -> None:
-    assert ('backlash' in candidates(TO_AND_FRO, environment__inertia=mass)) is found
-
-
-def test_effect_is_not_added_twice() -> None:
-    recording, model = prepared_from(recorded())
-    rubbing = model.with_effect('coulomb_friction', (1.0,))
-    assert 'coulomb_friction' not in candidates_in([recording], rubbing)
-
-
 def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     names = candidates(TO_AND_FRO)
     assert names - candidates(TO_AND_FRO, environment__stiffness=0.0) == {
@@ -68,11 +44,6 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
-
-
-def test_pressed_wall_alone_has_laws_of_a_side_on_which_it_loads() -> None:
-    assert candidates(TO_AND_FRO + 0.0101) - candidates(TO_AND_FRO) == {
-        'hunt_crossley_damping', 'plastic_set', 'power_law_stiffness', 'unloading_hysteresis'}
 
 
 @pytest.mark.parametrize('back, returns', [(0.2, False), (0.6, True)])
@@ -97,16 +68,3 @@ def test_families_that_are_not_tried_are_told_with_the_reason() -> None:
     tried = {EFFECTS[name].family for name in candidates_in([recording], model)}
     assert not tried & set(told)
     assert tried | set(told) == {cls.family for cls in EFFECTS.values()}
-
-
-@pytest.mark.parametrize('stiffness', [0.0, 50.0])
-def test_an_asymmetric_damper_is_named(stiffness: float) -> None:
-    t = np.arange(0.0, 12.0, 0.01)
-    x, v = 0.05 * np.sin(6.0 * t), 0.3 * np.cos(6.0 * t)
-    noise = np.random.default_rng(8).normal(0.0, 0.5, len(t))
-    force = noise - stiffness * x - 200.0 * v - 80.0 * np.abs(v)
-    signals = Signals(t, force, t, x, t[:0], np.empty((4, 0)))
-    damper = nominal(environment__unilateral=False, environment__stiffness=stiffness,
-                     environment__damping=220.0)
-    found = diagnose(Recording('dyno.mcap', signals), damper)
-    assert [one.name for one in found.effects] == ['asymmetric_damping']

@@ -12,13 +12,7 @@ import sys
 from typing import Any
 
 from contact_estimation.benchmarks import watch_benchmark
-from contact_estimation.benchmarks.arms.live_run import warned
-from contact_estimation.benchmarks.lag_evidence import lag_evidence
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
-from contact_estimation.recordings import RecordingReader, RecordingWriter
-import numpy as np
 import pytest
-from reference_messages import header, new, serialized
 
 COMMANDS = ('__main__', 'arms.__main__', 'estimators_study', 'fleet', 'input_checks',
             'online_study', 'records')
@@ -48,29 +42,3 @@ def test_an_interrupted_watch_benchmark_ends_its_loop(
     with pytest.raises(KeyboardInterrupt):
         watch_benchmark._measured_loop([], tmp_path / 'errors.txt')
     assert started[0].poll() is not None
-
-
-def test_one_frequency_shows_no_lag_and_two_show_it_in_proportion_to_their_power() -> None:
-    t, wall = np.arange(1000) / 500.0, (5000.0, 100.0)
-    inner = (t > 0.1) & (t < 1.9)
-
-    def motion(*sines: tuple[float, float]) -> tuple[Any, Any]:
-        return (sum(size * np.sin(omega * t) for size, omega in sines),
-                sum(size * omega * np.cos(omega * t) for size, omega in sines))
-
-    one = lag_evidence(t, *motion((1e-3, 20.0)), inner, wall, 0.01, 0.6)
-    assert one.over_wall < 0.1
-    two = lag_evidence(t, *motion((1e-3, 20.0), (5e-4, 60.0)), inner, wall, 0.01, 0.6)
-    assert two.over_wall > 10.0 * two.over_mass > 100.0
-    twice = lag_evidence(t, *motion((2e-3, 20.0), (1e-3, 60.0)), inner, wall, 0.01, 0.6)
-    assert twice.over_wall == pytest.approx(4.0 * two.over_wall)
-
-
-def test_each_kind_of_warning_that_a_node_published_is_listed_once(tmp_path: Path) -> None:
-    with RecordingWriter.file(tmp_path / 'a.mcap') as writer:
-        for k, text in enumerate(('at 540 Hz; correct it', 'at 612.5 Hz; correct it', 'skew')):
-            values = [new('KeyValue', 'samples', '5'), new('KeyValue', 'warning_1', text)]
-            status = new('DiagnosticStatus', 1, '/node', text, '', values)
-            raw = serialized(new('DiagnosticArray', header(), [status]), DIAGNOSTICS_TYPE)
-            writer.write('/diagnostics', DIAGNOSTICS_TYPE, raw, k)
-    assert warned(RecordingReader(tmp_path / 'a.mcap')) == ['at 540 Hz', 'skew']

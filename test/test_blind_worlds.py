@@ -8,28 +8,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blind_worlds import ROBOT, short_trial, synthetic_run, WALL, WORLD
-from contact_estimation.blind_trials.concealment import active_intervals, conceal, degree, residual
-from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
+from contact_estimation.blind_trials.concealment import conceal, degree, residual
 from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
 from contact_estimation.blind_trials.simulation import Run, simulate
 from contact_estimation.blind_trials.trial import (
     draw_trial,
     EFFECTS_OF_A_WALL,
-    equivalent_wall,
     MAX_DEGREE,
     MIN_DEGREE,
     plan_effects,
 )
-from contact_estimation.blind_trials.worlds import (
-    draw_nominal_wall,
-    draw_world,
-    RandomWorld,
-    SensorModel,
-)
+from contact_estimation.blind_trials.worlds import RandomWorld, SensorModel
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.scales import Scales
-from contact_estimation.reference.excitation import Sine
 import numpy as np
 import pytest
 
@@ -74,79 +65,7 @@ def test_parameters_move_away_from_neutral_as_the_strength_grows(name: str) -> N
     assert cls(cls.Parameters(**strength(0.3))).plausible(cls.Parameters(**strength(0.3)))
 
 
-def test_a_drawn_damping_drives_in_no_direction() -> None:
-    lightly = SCALES._replace(damping=0.01 * SCALES.damper)
-    cls = EFFECTS['asymmetric_damping']
-    values = cls.Parameters(**cls.draw(lightly, np.random.default_rng(2))(0.99))
-    assert not cls.drives(values, lightly.stiffness, lightly.damping)
-
-
-class Plain(ContactEffect):
-    """An effect that does not say how it is drawn."""
-
-    Parameters = EFFECTS['viscoelastic_relaxation'].Parameters
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Two starts."""
-        return [(40.0, 0.01), (40.0, 0.03)]
-
-
-def test_an_effect_without_its_own_draw_grows_from_its_first_start() -> None:
-    values = Plain.draw(SCALES, np.random.default_rng(0))(0.5)
-    assert values == {'K_1': 0.5 * 30.0 * 40.0, 'tau': 0.01}
-
-
-def test_nominal_stiffness_is_off_by_at_most_25_and_damping_by_60_percent() -> None:
-    rng = np.random.default_rng(0)
-    nominal = [draw_nominal_wall(WALL, rng, exact=0.0) for _ in range(300)]
-    K = np.array([w.stiffness for w in nominal]) / WALL.stiffness - 1.0
-    B = np.array([w.damping for w in nominal]) / WALL.damping - 1.0
-    assert 0.2 < np.max(np.abs(K)) <= 0.25
-    assert 0.5 < np.max(np.abs(B)) <= 0.6
-    assert draw_nominal_wall(WALL, rng, exact=1.0) == WALL
-
-
-@pytest.mark.slow
-def test_a_quarter_of_worlds_lacks_velocity_and_a_fifth_drops_samples() -> None:
-    rng = np.random.default_rng(0)
-    drawn = [draw_world(rng).sensors for _ in range(800)]
-    assert 0.2 < np.mean([s.velocity_noise is None for s in drawn]) < 0.3
-    assert 0.16 < np.mean([s.dropped > 0.0 for s in drawn]) < 0.24
-
-
-def test_hunt_crossley_wall_is_modelled_with_its_damping_at_half_depth() -> None:
-    assert equivalent_wall('hunt_crossley_damping', {'chi': 2000.0}, WORLD).damping == 15.0
-    assert equivalent_wall('coulomb_friction', {'F_c': 3.0}, WORLD) == WALL
-
-
-@pytest.mark.slow
-def test_experiments_have_consistent_derivatives_and_end_at_rest() -> None:
-    for seed in range(6):
-        experiment = draw_experiment(Stage(0.0, -0.02, 0.05), np.random.default_rng(seed))
-        t = np.arange(0.0, experiment.duration, 1e-3)
-        x, v, _, _ = np.array([experiment.desired(s) for s in t.tolist()]).T
-        jumps = np.abs(np.diff(x)) > 0.002  # of a binary sequence
-        rate = np.diff(x) / 1e-3
-        assert np.max(np.abs(rate - 0.5 * (v[1:] + v[:-1]))[~jumps]) < 2e-3
-        assert experiment.desired(experiment.duration).position == pytest.approx(-0.02)
-
-
-def test_rates_of_a_faded_sine_match_finite_differences() -> None:
-    faded, h = Faded(Sine(2.0, 9.0), 1.0, 3.0), 1e-5
-    for t in (1.1, 1.25, 2.0, 2.85):
-        first, second = faded.rates(t)
-        before, now, after = (faded.value(t + k * h) for k in (-1, 0, 1))
-        assert first == pytest.approx((after - before) / (2.0 * h), rel=1e-5)
-        assert second == pytest.approx((after - 2.0 * now + before) / h**2, rel=1e-3, abs=1e-3)
-    assert faded.value(0.9) == faded.value(3.1) == 0.0
-
-
 # -- concealment ----------------------------------------------------------------------------
-
-
-def test_contact_residual_of_a_spring_damper_is_zero() -> None:
-    assert rms_of(False, WORLD, synthetic_run()) < 1e-9
 
 
 def test_contact_residual_matches_the_normal_equations() -> None:
@@ -170,18 +89,6 @@ def test_degree_is_residual_relative_to_the_force_noise() -> None:
     assert degree(False, WORLD, run, run) == 1.0
 
 
-def test_degree_of_a_robot_effect_is_relative_to_the_noise_of_eq_1() -> None:
-    rng, run, sensors = np.random.default_rng(3), synthetic_run(count=40000), WORLD.sensors
-    x = sensors.position_std * rng.standard_normal(len(run.t))
-    still = 0.0 * run.x
-    F = sensors.force_std * rng.standard_normal(len(run.t))
-    noise = rms_of(True, WORLD, Run(run.t, x, still, still, F, still, still, still))
-    pushed = Run(run.t, still, still, still, still + 3.0, still, still, still)
-    nothing = Run(run.t, *(still for _ in range(7)))
-    r = degree(True, WORLD, pushed, nothing)
-    assert r == pytest.approx(np.hypot(1.0, 3.0 / noise), rel=0.02)
-
-
 def test_impedance_residual_is_small_for_the_true_robot_only() -> None:
     own = simulate(WORLD, {}, 500.0)
     other = simulate(WORLD, {'robot_friction.F_c': 6.0}, 500.0)
@@ -192,25 +99,10 @@ def test_impedance_residual_is_small_for_the_true_robot_only() -> None:
     assert rms_of(True, stiff, own) == pytest.approx(wrong, rel=0.02)
 
 
-def test_active_intervals_cover_the_large_residual() -> None:
-    t = np.arange(4000) / 500.0
-    left = np.where((t > 2.0) & (t < 2.5) | (t > 2.7) & (t < 3.0) | (t > 6.0), 3.0, 0.02)
-    left[:100] = np.nan
-    (first, second), (third, fourth) = active_intervals(left, t)
-    assert (first, second, third) == pytest.approx((2.0, 3.0, 6.0), abs=0.1)
-    assert fourth == pytest.approx(t[-1], abs=0.01)
-    assert active_intervals(np.full(4000, np.nan), t) == []
-
-
 def test_search_finds_the_requested_degree() -> None:
     found = conceal(lambda s: float(np.hypot(1.0, 80.0 * s**1.4)), 2.5)
     assert found.degree == pytest.approx(2.5, rel=0.02)
     assert not found.not_concealable
-
-
-def test_search_returns_the_greatest_strength_of_a_weak_effect() -> None:
-    found = conceal(lambda s: float(np.hypot(1.0, 0.5 * s)), 3.0)
-    assert (found.strength, found.not_concealable) == (1.0, False)
 
 
 def test_search_reports_an_effect_that_cannot_be_concealed() -> None:
@@ -226,12 +118,6 @@ def test_trial_has_its_requested_degree() -> None:
     r = degree(False, trial.world, run, simulate(trial.world, {}, rate))
     assert MIN_DEGREE <= trial.requested_degree <= MAX_DEGREE
     assert r == pytest.approx(trial.requested_degree, rel=0.1)
-
-
-@pytest.mark.slow
-def test_clean_world_has_no_effect() -> None:
-    trial = draw_trial('', np.random.default_rng(4))
-    assert (trial.effect, trial.values, trial.physics) == ('', {}, {})
 
 
 def test_clean_world_obeys_eq_3() -> None:
@@ -254,19 +140,6 @@ def test_force_noise_has_the_given_standard_deviation() -> None:
         assert float(np.std(error)) == pytest.approx(measured.force_floor, rel=1e-3)
 
 
-def test_samples_are_multiples_of_the_quantisation_step() -> None:
-    sensors = SensorModel(force_step=0.25, position_step=2e-5)
-    measured = measure(slow_press(), sensors, np.random.default_rng(0))
-    for values, step in ((measured.force.values, 0.25), (measured.joint.values[:, 0], 2e-5)):
-        assert np.allclose(values / step, np.round(values / step), atol=1e-6)
-
-
-def test_the_anti_alias_filter_does_not_delay_slow_signals() -> None:
-    sensors = SensorModel(force_noise=0.0, low_pass=100.0)
-    force = measure(slow_press(), sensors, np.random.default_rng(0)).force
-    assert np.allclose(force.values[50:], -10e-9 * force.stamps[50:], atol=2e-3)
-
-
 def test_stamps_jitter_but_increase_and_some_samples_are_dropped() -> None:
     sensors = SensorModel(jitter=4e-5, dropped=0.02)
     force, joint, _, _ = measure(slow_press(), sensors, np.random.default_rng(0))
@@ -276,10 +149,3 @@ def test_stamps_jitter_but_increase_and_some_samples_are_dropped() -> None:
     assert float(np.std(whole)) == pytest.approx(4e-5 * 2.0**0.5, rel=0.1)
     assert 0.005 < np.mean(steps > 0.003) < 0.04
     assert list(force.stamps) != list(joint.stamps)
-
-
-def test_joint_samples_between_force_samples_are_stamped_accordingly() -> None:
-    sensors = SensorModel(position_noise=0.0, position_step=0.0, joint_phase=0.5)
-    joint = measure(slow_press(), sensors, np.random.default_rng(0)).joint
-    assert joint.stamps[0] == 1_000_000
-    assert np.allclose(joint.values[:, 0], 0.001 * joint.stamps * 1e-9)

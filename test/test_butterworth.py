@@ -27,20 +27,6 @@ def test_cutoff_zero_lets_everything_pass() -> None:
     assert filtered(ButterworthBank(3, 0.0, 500.0), rows) == rows
 
 
-def test_reset_forgets_the_past() -> None:
-    used, fresh = ButterworthBank(1, 50.0, 500.0), ButterworthBank(1, 50.0, 500.0)
-    filtered(used, [(7.0,)])
-    used.reset()
-    assert filtered(used, [(1.0,)] * 5) == filtered(fresh, [(1.0,)] * 5)
-
-
-def test_a_relation_that_holds_before_the_filter_holds_after_it() -> None:
-    phi = np.random.default_rng(3).normal(0.0, 1.0, (200, 2))
-    bank = ButterworthBank(3, 30.0, 500.0)
-    rows = np.array(filtered(bank, [(a, b, 4.8 * a + 0.2 * b) for a, b in phi.tolist()]))
-    np.testing.assert_allclose(rows[:, 2], rows[:, :2] @ [4.8, 0.2], atol=1e-12)
-
-
 @pytest.mark.parametrize('cutoff', [250.0, 251.0, 1e4, 5e-324, 1e-6])
 def test_cutoff_without_a_computable_filter_is_refused(cutoff: float) -> None:
     with pytest.raises(ParameterRangeError, match='cutoff_frequency must be .* < half of sample'):

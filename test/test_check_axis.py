@@ -33,7 +33,3 @@ def test_a_force_that_differs_on_the_way_out_is_refused() -> None:
     wanders = np.sin(2.0 * np.pi * (T - 20.0) / 10.0)
     assert abs(np.corrcoef(wanders, DEPTH)[0, 1]) < 0.2
     assert not found_with(wanders)
-
-
-def test_a_small_part_of_another_axis_is_refused() -> None:
-    assert not found_with(0.05 * 250.0 * DEPTH)

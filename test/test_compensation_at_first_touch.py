@@ -6,15 +6,15 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import isfinite, isnan, nan, sin
+from math import isfinite, isnan, nan
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.compensation import Compensation, IRREGULAR
-from contact_estimation.physics.known_wall import NOT_FINITE, NOT_LOCATED
+from contact_estimation.physics.compensation import Compensation
+from contact_estimation.physics.known_wall import NOT_FINITE
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.quintic import quintic
@@ -119,19 +119,6 @@ def test_first_contact_beside_a_known_effect_gives_the_wall(name: str, measured:
         assert isfinite(estimate.stiffness_std) and isfinite(estimate.location)
 
 
-@pytest.mark.parametrize('name', FELT)
-def test_rows_beside_a_known_effect_give_the_wall_within_their_bands(name: str) -> None:
-    samples, ends = recorded(name)
-    estimates = EstimationPipeline(parameters_of(name, estimator='kalman')).process(samples)
-    for end in ends:
-        found, (stiffness, damping) = estimates[end], truth_of(name)
-        K, B = found.stiffness_std, found.damping_std
-        assert found.stiffness == pytest.approx(stiffness, abs=max(3.0 * K, 0.01 * stiffness))
-        # Beside a known Hunt-Crossley damping the posterior itself is 0.055 B_e off.
-        assert found.damping == pytest.approx(damping, abs=max(3.0 * B, 0.06 * B_e))
-        assert K < 0.1 * stiffness and B < 0.2 * B_e
-
-
 @pytest.mark.parametrize('name', [
     'viscous_flow', 'plastic_set', 'backlash', 'environment_inertia', 'force_lag', 'force_creep'])
 def test_contact_in_progress_is_as_if_its_surface_had_always_been_known(name: str) -> None:
@@ -144,16 +131,6 @@ def test_contact_in_progress_is_as_if_its_surface_had_always_been_known(name: st
     expected = compensated(always, samples[touched:touched + 50], 0.0)
     np.testing.assert_allclose(
         [now[:-1] for now in found], [now[:-1] for now in expected], rtol=1e-9, atol=1e-12)
-
-
-def test_sensor_acts_before_the_surface_is_known_and_the_wall_does_not() -> None:
-    samples = [ContactSample(2_000_000 * k, 0.01 * sin(0.04 * k), nan, 0.0) for k in range(200)]
-    known = compensated(compensation('tool_inertia', 'viscous_flow'), samples, nan)[3:]
-    assert {now.hindrance for now in known} == {NOT_LOCATED}
-    pressing = np.array([now.pressing for now in known])
-    t = 0.04 * np.arange(2, 199)  # of the sample before
-    mass = example('tool_inertia').added_mass
-    np.testing.assert_allclose(pressing, mass * 0.01 * 20.0**2 * np.sin(t), atol=0.01)
 
 
 @pytest.mark.parametrize('name', FELT)
@@ -181,14 +158,6 @@ def test_irregular_stamps_make_no_force_of_the_noise_of_positions(
         usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
         assert max(usable, default=0.0) < bound
         assert max(abs(now.pressing) for now in found) < bound + 10.0
-
-
-def test_samples_whose_stamps_allow_no_acceleration_say_so() -> None:
-    stamps = np.cumsum([2_000_000] * 20 + [2_000] + [2_000_000] * 20).tolist()
-    known = compensated(compensation('environment_inertia'), still(stamps), -0.011)
-    said = [k for k, now in enumerate(known) if now.hindrance == IRREGULAR]
-    assert said[-2:] == [20, 21]
-    assert all(not now.hindrance for now in known[25:])
 
 
 def test_a_sample_without_a_finite_force_is_left_out_and_forgotten() -> None:

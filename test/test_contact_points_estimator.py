@@ -10,7 +10,6 @@ from typing import Any, Sequence
 
 from contact_estimation.estimators.contact_points import (
     contact_forces,
-    ContactGeometry,
     force_regressor,
     point_motions,
     ToolMotion,
@@ -111,30 +110,11 @@ def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> 
     assert last.friction == pytest.approx(mu, rel=1e-5)
 
 
-def test_without_noise_it_finds_the_truth() -> None:
-    last = run(estimator_with(), samples(*FIRST, 0.0) + samples(*SLIDING, 0.0))[-1]
-    found = (last.stiffness, last.damping, last.friction)
-    assert found == pytest.approx((K_E, B_E, MU), rel=1e-4)
-
-
 def test_out_of_contact_nothing_moves() -> None:
     estimates = run(estimator_with(), samples(0.0, 1.0))
     assert {e.status for e in estimates} == {EstimateStatus.FREE}
     assert {(e.stiffness, e.damping, e.friction) for e in estimates} == {(3000.0, 50.0, 0.0)}
     assert {e.touching for e in estimates} == {(False, False, False)}
-
-
-def test_points_that_do_not_touch_are_learned_from_as_if_they_were_not_there() -> None:
-    def part(rows: list[int]) -> ContactGeometry:
-        return ContactGeometry(
-            GEOMETRY.points[rows], GEOMETRY.surfaces[rows], GEOMETRY.normals[rows]
-        )
-
-    stretch = samples(1.0, 2.2)  # the front foot alone presses
-    alone = run(ContactPointsEstimator(part([0])), stretch)
-    among = run(ContactPointsEstimator(part([0, 1, 2])), stretch)
-    assert [e[1:7] for e in alone] == [e[1:7] for e in among]
-    assert {e.touching[1:] for e in among} == {(False, False)}
 
 
 def test_standard_deviations_are_those_of_the_errors() -> None:
@@ -166,47 +146,6 @@ def test_what_cannot_be_told_from_the_motion_is_not_learned(
     after = estimator.update(sample)
     assert (after.status, after.reason) == (EstimateStatus.FROZEN, reason)
     assert after[1:7] == before[1:7]
-
-
-def test_point_that_withdraws_is_known_to_have_let_go_once_the_wall_is_known() -> None:
-    estimator = estimator_with()
-    run(estimator, samples(*FIRST))
-    slow, fast = (
-        estimator.update(resting((0.005, -0.02), (0.01, 0.0, v))) for v in (0.05, 0.3)
-    )
-    assert slow.touching == (True, True, False)
-    assert (fast.touching, fast.status) == ((False, False, False), EstimateStatus.FREE)
-
-
-@pytest.mark.slow
-def test_noisy_velocity_of_a_sticking_point_does_not_pull_friction_to_zero() -> None:
-    noise = np.random.default_rng(5)
-    sticking = [
-        s._replace(motion=s.motion._replace(
-            velocity=s.motion.velocity + noise.normal(0.0, 3e-4, 3)
-        ))
-        for s in samples(1.6, 2.2) * 5  # the front foot presses and does not slide
-    ]
-    estimator = estimator_with(forgetting_factor=1.0)
-    run(estimator, samples(*FIRST) + samples(*SLIDING))
-    last = run(estimator, sticking)[-1]
-    assert last.friction == pytest.approx(MU, abs=0.005)
-    assert last.stiffness == pytest.approx(K_E, rel=0.005)
-
-
-def test_a_change_of_the_wall_is_followed() -> None:
-    estimator = estimator_with(forgetting_factor=0.99)
-    run(estimator, samples(*FIRST))
-    last = run(estimator, samples(*SLIDING, 0.5, 7000.0))[-1]
-    assert last.stiffness == pytest.approx(7000.0, rel=0.01)
-
-
-@pytest.mark.slow
-def test_reset_is_a_new_estimator() -> None:
-    used, new = estimator_with(), estimator_with()
-    run(used, samples(*FIRST))
-    used.reset()
-    assert run(used, samples(*FIRST)) == run(new, samples(*FIRST))
 
 
 def test_force_of_one_axis_is_refused() -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from concealed_worlds import ATTACHED, nominal, prepared_from
 from contact_estimation.diagnosis.fit.credible import may_show
-from contact_estimation.diagnosis.observe.pace import cycle_frequency, keeps_step
+from contact_estimation.diagnosis.observe.pace import cycle_frequency
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
@@ -20,26 +20,6 @@ T = np.arange(6000) / 500.0
 def test_cycle_of_a_triangular_motion_is_found(frequency: float) -> None:
     x = 0.003 * sawtooth(2.0 * np.pi * frequency * T + 0.7, 0.5) + 0.05
     assert cycle_frequency(T, x) == pytest.approx(frequency, abs=2e-3)
-
-
-@pytest.mark.parametrize('x', [
-    np.sin(2.0 * np.pi * 0.2 * T),  # fewer than four cycles
-    np.sin(7.0 * T) + 0.5 * np.sin(11.3 * T),
-    np.cumsum(np.random.default_rng(2).normal(size=len(T))),
-    np.zeros(len(T)),
-], ids=['few', 'tones', 'random', 'rest'])
-def test_other_motions_have_none(x: np.ndarray) -> None:
-    assert cycle_frequency(T, x) == 0.0
-
-
-@pytest.mark.parametrize('tones, cycle, keeps', [
-    ((2.001,), 1.0, True), ((2.001, 3.0), 1.0, True), ((2.001, 2.6), 1.0, False),
-    ((2.05,), 1.0, False), ((0.3,), 1.0, False), ((2.0,), 0.0, False), ((), 1.0, False),
-])
-def test_multiples_of_the_cycle_keep_step(
-    tones: tuple[float, ...], cycle: float, keeps: bool
-) -> None:
-    assert keeps_step(tones, cycle, 12.0) is keeps
 
 
 @pytest.mark.parametrize('frequency, shown', [(1.0, False), (2.0, False), (1.37, True)])

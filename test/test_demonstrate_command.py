@@ -32,17 +32,3 @@ def test_folder_that_is_not_empty_is_refused(
     (tmp_path / 'kept').write_text('')
     assert main(['--output', str(tmp_path)]) == 1
     assert 'not empty' in capsys.readouterr().err
-
-
-def test_negative_seed_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(['--output', str(tmp_path / 'new'), '--seed', '-1']) == 1
-    assert '--seed must be >= 0' in capsys.readouterr().err
-
-
-def test_unknown_sealed_effect_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    sealed = tmp_path / 'sealed.yaml'
-    sealed.write_text('plant_node: {ros__parameters: {physics: {frictoin: {F_c: 1.0}}}}')
-    assert main(['--output', str(tmp_path / 'new'), '--physics', str(sealed)]) == 1
-    assert 'frictoin' in capsys.readouterr().err

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
+from concealed_worlds import physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.dependence import Dependence, dependences
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
@@ -75,34 +75,3 @@ def test_share_is_the_explained_part_of_the_mean_square() -> None:
     explained = sum(len(errors[name]) * mean**2 for name, mean in zip(found.names, means))
     assert found.share == pytest.approx(explained / float(force @ force))
     assert means[0] * means[1] < 0.0  # friction changes its sign
-
-
-@pytest.mark.parametrize('name', ['', *EFFECTS])
-def test_bands_hold_the_means(name: str) -> None:
-    every = dependences(*recalibrated(name), np.random.default_rng(0))
-    assert {one.channel for one in every} == {'force', 'motion'}
-    for one in every:
-        assert np.all(one.low <= one.mean) and np.all(one.mean <= one.high)
-        assert len(one.middle) == len(one.mean) == (len(one.names) or len(one.mean))
-        assert np.all(np.diff(one.middle) > 0.0)
-
-
-def test_past_and_spectrum_of_noise_are_white() -> None:
-    found = found_in('', 'force')
-    np.testing.assert_allclose(found['its own past'].mean, 0.0, atol=0.1)
-    assert found['frequency'].mean == pytest.approx(1.0, abs=0.5)
-
-
-def test_wall_driven_by_force_has_its_motion_alone() -> None:
-    recording, model = prepared_from(attached(), nominal(**ATTACHED))
-    every = dependences(recording, model, np.random.default_rng(0))
-    assert {one.channel for one in every} == {'motion'}
-
-
-def test_same_seed_gives_the_same_bands() -> None:
-    first, second = (dependences(*recalibrated('coulomb_friction'), np.random.default_rng(3))
-                     for _ in range(2))
-    assert [one.channel for one in first] == [other.channel for other in second] != []
-    for one, other in zip(first, second):
-        assert one.chance == other.chance
-        np.testing.assert_array_equal(one.low, other.low)

@@ -13,13 +13,12 @@ from concealed_worlds import (
     prepared_from,
     recorded,
 )
-from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate, Location
+from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
 
@@ -46,11 +45,6 @@ def recalibrated(signals: Signals) -> tuple[PreparedRecording, Model]:
     return recording, fit([recording], model).model
 
 
-def located(name: str, values: tuple[float, ...]) -> Location:
-    """Locate what a recalibrated model leaves of an effect."""
-    return locate(*recalibrated(recorded(**physics(name, *values))))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize('name, values, expected', WORLDS)
 def test_port_of_an_effect_is_guessed_from_its_residuals(
@@ -58,20 +52,6 @@ def test_port_of_an_effect_is_guessed_from_its_residuals(
 ) -> None:
     recording, model = recalibrated(recorded(**physics(name, *values)))
     assert guess_port(recording, model) == expected
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('name, values, expected', WORLDS)
-def test_location_is_plausible(name: str, values: tuple[float, ...], expected: str) -> None:
-    place = located(name, values)
-    assert place.phase in PHASES
-    assert place.intervals_s == sorted(place.intervals_s)
-    assert all(0.0 <= a < b <= 7.3 for a, b in place.intervals_s)
-    assert 0.0 <= place.band_hz[0] <= place.band_hz[1] <= 125.0
-
-
-def test_saturation_is_seen_at_large_depth_or_speed() -> None:
-    assert 'large' in located('force_saturation', (70.0,)).region
 
 
 @pytest.mark.slow
@@ -85,21 +65,11 @@ def test_plastic_set_is_seen_in_contact_only() -> None:
         assert np.mean(inside) > 0.7
 
 
-def test_bias_is_seen_in_free_flight_too() -> None:
-    place = located('force_bias', (2.0,))
-    assert place.intervals_s[0][0] < 0.5
-
-
 @pytest.mark.slow
 def test_resonance_is_located_around_its_frequency() -> None:
     place = locate(*recalibrated(recorded(**physics('environment_resonance', 0.4, 9.0, 0.05))))
     assert place.port == 'contact'
     assert place.band_hz[0] < 9.0 < place.band_hz[1] < 12.0
-
-
-def test_port_that_is_known_is_kept() -> None:
-    recording, model = recalibrated(recorded(**physics('force_bias', 2.0)))
-    assert locate(recording, model, EFFECTS['robot_drag']).port == 'robot'
 
 
 def test_without_a_robot_the_contact_is_blamed() -> None:
@@ -119,19 +89,3 @@ def test_intervals_are_where_the_energy_is() -> None:
     energy[round(5.0 / step):round(5.4 / step)] = 20.0
     found = intervals(recording, energy)
     assert np.array(found) == pytest.approx(np.array([[2.0, 3.0], [5.0, 5.4]]), abs=0.1)
-
-
-def test_noise_has_hardly_any_intervals() -> None:
-    recording, _ = prepared_from(recorded())
-    # A window's mean of eight squares is beyond 2.5 once in a hundred.
-    found = intervals(recording, np.random.default_rng(1).standard_normal(6000) ** 2)
-    length = 6000 * recording.observed.h * recording.block
-    assert sum(end - begin for begin, end in found) < 0.03 * length
-
-
-def test_report_s_form_is_rounded() -> None:
-    place = Location('contact', [(1.23456, 2.0)], 'hold', 'small |v|', (0.12345, 9.0))
-    assert place.as_dict() == {
-        'port': 'contact', 'intervals_s': [[1.235, 2.0]], 'phase': 'hold',
-        'region': 'small |v|', 'band_hz': [0.123, 9.0],
-    }

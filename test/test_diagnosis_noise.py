@@ -7,16 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import (
-    ATTACHED,
-    attached,
-    FORCE_NOISE,
-    nominal,
-    physics,
-    POSITION_NOISE,
-    QUANTUM,
-    recorded,
-)
+from concealed_worlds import FORCE_NOISE, nominal, physics, POSITION_NOISE, QUANTUM, recorded
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.noise import force_noise
 from contact_estimation.diagnosis.observe.observed import observe
@@ -44,19 +35,6 @@ def test_noise_floor_is_that_of_the_sensor(changes: dict[str, Any]) -> None:
     assert noise_of(recorded(**changes)) == pytest.approx(FORCE_NOISE, rel=0.1)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('noise', [0.05, 1.5])
-def test_noise_floor_follows_the_noise(noise: float) -> None:
-    signals = recorded(sensors__force_noise=noise)
-    assert noise_of(signals) == pytest.approx(noise, rel=0.1)
-
-
-@pytest.mark.slow
-def test_noise_floor_of_even_noise_is_its_standard_deviation() -> None:
-    signals = recorded(sensors__distribution='uniform', sensors__position_noise=0.0)
-    assert noise_of(signals) == pytest.approx(FORCE_NOISE / np.sqrt(3.0), rel=0.1)
-
-
 def test_noise_floor_without_free_flight_comes_from_the_spectrum() -> None:
     signals = recorded()
     touching = (signals.wrench_t > 1.0) & (signals.wrench_t < 2.45)
@@ -65,14 +43,6 @@ def test_noise_floor_without_free_flight_comes_from_the_spectrum() -> None:
     t_three = np.arange(3 * len(t)) * (t[1] - t[0])
     pressed = Signals(t_three, three[0], t_three, three[1], np.empty(0), np.empty((4, 0)))
     assert noise_of(pressed) == pytest.approx(FORCE_NOISE, rel=0.15)
-
-
-@pytest.mark.slow
-def test_force_without_noise_has_the_least_noise_floor() -> None:
-    signals = recorded(sensors__force_noise=0.0)
-    assert noise_of(signals) == pytest.approx(1e-4 * np.ptp(signals.force), rel=0.01)
-    pushed = attached()
-    assert noise_of(pushed, **ATTACHED) >= 1e-4 * np.ptp(pushed.force)
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ from concealed_worlds import diagnosed, nominal
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
-import pytest
 from scipy.signal import lfilter
 
 MODEL = nominal(environment__stiffness=15.0, environment__damping=50.0,
@@ -54,16 +53,3 @@ def test_a_loss_is_named_beside_the_law_if_both_ways_are_as_fast() -> None:
     law, loss = sorted(found.effects, key=lambda effect: effect.family)
     assert law.family == 'elastic_law'
     assert loss.name in {'presliding_friction', 'viscoelastic_relaxation'}
-
-
-@pytest.mark.parametrize('elastic, loss, family', [
-    (True, False, 'elastic_law'), (False, True, 'relaxation')])
-def test_one_law_is_named_where_the_other_is_not_missing(
-    elastic: bool, loss: bool, family: str
-) -> None:
-    assert families(diagnosis(elastic, loss)) == {family}
-
-
-def test_what_is_most_of_the_misfit_without_a_law_is_unexplained() -> None:
-    found = diagnosis(stray=0.3)
-    assert (found.effects, found.verdict) == ([], 'unexplained')

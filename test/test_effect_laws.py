@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.backlash import played
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
@@ -39,11 +37,6 @@ def law_of(name: str, unilateral: bool = True) -> ContactLaw:
     return ContactLaw(K_e, B_e, 0.0, 0.0, unilateral, [example(name)])
 
 
-def instants(count: int) -> Any:
-    """Give times 2 ms apart [s]."""
-    return 0.002 * np.arange(count)
-
-
 def near_switch(force: Array, margin: int) -> Any:
     """Flag the samples near a touch-down or release."""
     edges = np.abs(np.diff((force != 0.0).astype(float), prepend=float(force[0] != 0.0)))
@@ -59,14 +52,6 @@ def truths_of(name: str, count: int = 700, **values: Any) -> tuple[Array, ...]:
 def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the play of backlash trust positions, which are free of noise here."""
     monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
-
-
-def test_backlash_on_arrays_holds_on_while_a_position_is_off_by_its_noise() -> None:
-    t = np.arange(100, dtype=np.float64) * 2e-3
-    x = np.linspace(-1e-3, 2e-3, 100)
-    x[-1] -= 4e-6
-    force = law_of('backlash').force(t, x, np.full(100, 0.015), np.zeros(100))
-    assert force[-1] == pytest.approx(force[-2], rel=0.05)
 
 
 @pytest.mark.parametrize('name', WALL)
@@ -92,18 +77,6 @@ def test_states_of_a_recording_are_those_of_small_steps(name: str) -> None:
     scale = np.max(np.abs(expected))
     apart = np.abs(got - expected) > 0.01 * scale
     assert scale > 0.0 and np.mean(apart) < 0.01  # a state may jump within a sample
-
-
-def test_branches_solved_by_blocks_give_the_force_of_small_steps() -> None:
-    effect = example('fractional_relaxation')
-    t, d, v, _ = motion(2e-4)
-    states = ContactEffect.states_along(effect, t, d, v, d > 0.0)[:, ::10].T
-    t, d, v, _ = motion(2e-3)
-    expected = [effect.resistance(*now, tuple(state), math)
-                for *now, state in zip(t, d, v, states)]
-    got = effect.resistance(t, d, v, effect.states_along(t, d, v, d > 0.0), np)
-    scale = np.max(np.abs(expected))
-    assert scale > 0.0 and np.mean(np.abs(got - expected) > 0.01 * scale) < 0.01
 
 
 def test_play_of_an_attached_wall_has_an_end_on_either_side() -> None:
@@ -178,74 +151,3 @@ def test_attached_wall_obeys_the_law_at_all_times(name: str) -> None:
     got = law_of(name, unilateral=False).force(t, x, v, a)
     assert np.max(force) > 1.0  # it pulls
     np.testing.assert_allclose(got, force, atol=PREDICTION.get(name, 1e-9))
-
-
-def test_dent_stays_where_the_tool_was_deepest() -> None:
-    depths = np.array([0.0, 0.004, 0.010, 0.006, 0.002, 0.006])
-    still = np.zeros(6)
-    force = law_of('plastic_set').force(instants(6), depths, still, still)
-    np.testing.assert_allclose(force, -K_e * np.array([0, 0.0028, 0.007, 0.003, 0, 0.003]))
-
-
-def test_plant_and_prediction_agree_on_the_dent() -> None:
-    *_, force, _ = truths_of('plastic_set')
-    # The second touch meets the surface that the first has left.
-    assert np.sum(force[350:] < 0.0) < np.sum(force[:350] < 0.0)
-
-
-def test_play_is_crossed_before_the_wall_feels_the_return() -> None:
-    x = np.array([0.0, 0.0002, 0.0005, 0.0045, 0.0042, 0.0036, 0.0035, 0.0025])
-    still = np.zeros(8)
-    force = law_of('backlash').force(instants(8), x, still, still)
-    # y follows half a gap behind, stands on the return, and is half a gap ahead then.
-    np.testing.assert_allclose(force, -K_e * np.array([0, 0, 0, 0.004, 0, 0, 0.004, 0.003]))
-
-
-def test_wall_that_sticks_pulls_until_the_neck_tears() -> None:
-    x = np.array([0.001, 1e-9, -0.0005, -0.001, -0.0016, -0.001])
-    v = np.array([-1.0, -1.0, -1.0, -1.0, -1.0, -1.0])
-    force = law_of('adhesion').force(instants(6), x, v, np.zeros(6))
-    np.testing.assert_allclose(force, [4.0, 4.0, 4.0 * 2 / 3, 4.0 / 3, 0.0, 0.0], atol=1e-4)
-
-
-def test_wall_does_not_reach_for_an_approaching_tool() -> None:
-    x = np.array([0.001, -0.001, -0.001])
-    force = law_of('adhesion').force(
-        instants(3), x, np.array([-1.0, -1.0, 0.1]), np.zeros(3))
-    assert force[1] > 0.0 == force[2]
-
-
-@pytest.mark.parametrize('count', [1, 2, 3, 7, 1000])
-def test_play_of_all_steps_at_once_is_that_of_one_after_the_other(count: int) -> None:
-    steps, place, places = np.random.default_rng(count).normal(0.0, 0.3, count), 0.0, []
-    for step in steps:
-        place = min(1.0, max(-1.0, place + step))
-        places.append(place)
-    np.testing.assert_allclose(played(steps, 1.0), places, atol=1e-12)
-
-
-@pytest.mark.parametrize('name', STATEFUL)
-def test_states_that_are_kept_are_those_of_a_law_computed_anew(name: str) -> None:
-    t, x, v, a = motion(2e-3)
-    for signal in (x, v):
-        signal.flags.writeable = False
-    values = example_values(name)
-    for changed in (values, *(tuple(1.1 * p if k == n else p for n, p in enumerate(values))
-                              for k in range(len(values)))):
-        law = ContactLaw(K_e, B_e, 0.0, 0.0, True, [example(name, changed)])
-        expected = law.force(t, x.copy(), v.copy(), a)
-        for _ in range(2):
-            np.testing.assert_array_equal(law.force(t, x, v, a), expected)
-
-
-def test_an_attracting_wall_pulls_while_it_is_pressed_too() -> None:
-    x = np.array([0.001, 1e-9, -0.0015, -0.003])
-    v = np.array([0.0, -1e-9, -1.0, -1.0])
-    force = law_of('dmt_adhesion').force(instants(4), x, v, np.zeros(4))
-    np.testing.assert_allclose(force, [5.0 - K_e * 0.001, 5.0, 2.5, 0.0], atol=1e-4)
-
-
-def test_dead_zone_damps_before_its_spring_begins() -> None:
-    force = law_of('dead_zone').force(
-        np.array([0.0, 0.002]), np.array([0.001, 0.003]), np.array([0.1, 0.1]), np.zeros(2))
-    np.testing.assert_allclose(force, [-B_e * 0.1, -(K_e * 0.001 + B_e * 0.1)])

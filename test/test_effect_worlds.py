@@ -224,19 +224,6 @@ def test_world_with_a_fractional_derivative_is_that_of_its_laplace_transform() -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name', sorted(NOT_SMOOTH))
-def test_world_with_an_edge_converges(name: str) -> None:
-    coarse, fine = (positions(name, integration_rate=rate) for rate in (5e3, 1e4))
-    # Held against its end, a backlash switches at every step; the tool creeps meanwhile.
-    np.testing.assert_allclose(coarse, fine, atol=1e-5 if name == 'backlash' else 2e-7)
-
-
-@pytest.mark.parametrize('name', [n for n, cls in EFFECTS.items() if cls.port == 'force_sensor'])
-def test_effect_of_the_sensor_leaves_the_world_alone(name: str) -> None:
-    np.testing.assert_array_equal(positions(name), positions(''))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize('name', {c.family: n for n, c in EFFECTS.items()}.values())
 def test_two_integration_steps_a_sample_are_enough(name: str) -> None:
     coarse, fine = (positions(name, integration_rate=rate) for rate in (1e3, 5e3))

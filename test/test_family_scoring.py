@@ -6,25 +6,17 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
-from contact_estimation.blind_trials.family_report import (
-    family_dict,
-    family_groups,
-    family_text,
-    outcomes,
-)
+from contact_estimation.blind_trials.family_report import family_dict, family_text
 from contact_estimation.blind_trials.family_scoring import (
-    FAILED,
     family_score,
     FamilyScore,
-    overlap_of,
     RIGHT,
     SILENT,
     WRONG,
 )
-from contact_estimation.blind_trials.reliability import plot_reliability, reliability
+from contact_estimation.blind_trials.reliability import reliability
 import pytest
 
 LUGRE: dict[str, Any] = {
@@ -73,34 +65,6 @@ def test_the_family_of_the_first_name_decides(
     assert (score.outcome, score.surplus, score.kind) == (outcome, surplus, 'foreign')
 
 
-def test_a_bias_counts_where_the_sensor_zero_is_the_family() -> None:
-    truth = {**LUGRE, 'law': 'settling_bias', 'families': ['sensor_zero']}
-    assert scored(truth, 'force_bias').outcome == RIGHT
-
-
-def test_any_name_is_wrong_where_no_family_describes_the_law() -> None:
-    assert (scored(HUM, 'force_lag').outcome, scored(CLEAN, 'force_lag').outcome) == (WRONG, WRONG)
-    assert not scored(HUM).is_miss
-    assert not scored(CLEAN).is_miss
-    assert scored(CLEAN, 'force_lag').is_miss
-
-
-def test_location_of_an_unknown_law_is_compared_with_the_truth() -> None:
-    location = {'port': 'force_sensor', 'intervals_s': [[2.0, 4.0]]}
-    score = scored(HUM, location=location)
-    assert score.port_right
-    assert score.overlap == pytest.approx(1.0 / 3.0)
-    assert scored(CLEAN, location=location).port_right is None
-    assert overlap_of([], [[0.0, 1.0]]) == 0.0
-
-
-def test_a_failed_diagnosis_is_neither_silent_nor_wrong() -> None:
-    failed = family_score('trial_1', {**LUGRE, 'stage': 'drive', 'concealed': 2.0},
-                          {'report': None, 'error': 'no contact', 'seconds': 1.0})
-    assert (failed.outcome, failed.verdict) == (FAILED, '')
-    assert 'failed: no contact' in family_text([failed], 'DIR')
-
-
 def test_reliability_counts_every_name_in_its_bin() -> None:
     scores = [scored(LUGRE, 'coulomb_friction:0.95'), scored(LUGRE, 'force_lag:1.0'),
               scored(LUGRE, 'coulomb_friction:0.75', 'force_lag:0.72'),
@@ -109,22 +73,6 @@ def test_reliability_counts_every_name_in_its_bin() -> None:
     assert [row.names for row in table] == [0, 1, 2, 0, 2]
     assert [row.share_right for row in table] == [None, 0.0, 0.5, None, 0.5]
     assert table[4].mean == pytest.approx(0.975)
-
-
-def test_reliability_is_plotted(tmp_path: Path) -> None:
-    pytest.importorskip('matplotlib')
-    scores = [scored(LUGRE, 'coulomb_friction:0.95'), scored(LUGRE, 'force_lag:0.6')]
-    assert plot_reliability(scores, tmp_path / 'reliability.png').stat().st_size > 1000
-
-
-def test_outcomes_are_counted_by_law_family_and_experiment() -> None:
-    two = {**LUGRE, 'law': 'maxwell_slip', 'families': ['hysteresis', 'friction']}
-    scores = [scored(LUGRE, 'coulomb_friction'), scored(two), scored(HUM)]
-    split = family_groups(scores)
-    assert {label: len(part) for label, part in split['family'].items()} == {
-        'friction': 2, 'hysteresis': 1, 'unknown': 1}
-    assert outcomes(split['experiment']['press']) == {
-        'trials': 3, RIGHT: 1, WRONG: 0, SILENT: 2, FAILED: 0, 'surplus': 0}
 
 
 def test_text_and_json_hold_shares_reliability_and_misses() -> None:

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-from math import comb
 
-from contact_estimation.fleet.changes import changes, holm
+from contact_estimation.fleet.changes import changes
 from contact_estimation.fleet.differences import differences
-from contact_estimation.fleet.entry import Entry, in_time
-from contact_estimation.fleet.page.wording import signed_percents
+from contact_estimation.fleet.entry import in_time
 from contact_estimation.fleet.pooling import pools
 from contact_estimation.fleet.trends import trends
-from fleet_entries import archive, group_of, outcome, report
+from fleet_entries import archive, group_of, report
 import numpy as np
 import pytest
 
@@ -28,20 +26,6 @@ FRICTION = [report(4800.0, ['coulomb_friction'] if k >= 12 else []) for k in ran
 def test_recordings_are_numbered_by_their_stamps() -> None:
     late, early = group_of('a', [report(), report()])[::-1]
     assert [entry.name for entry in in_time([late, early])] == [early.name, late.name]
-
-
-def test_recordings_of_equal_stamps_are_numbered_by_name() -> None:
-    entries = [Entry(name, name, 'all', '', outcome(report())) for name in ('r10', 'r9', 'r1')]
-    assert [entry.name for entry in in_time(entries)] == ['r1', 'r9', 'r10']
-
-
-def test_a_broken_recording_keeps_its_place_by_name() -> None:
-    entries = archive(a=[report(), None, report()])
-    assert [entry.name[-6] for entry in entries] == ['0', '1', '2']
-    entries = in_time([*group_of('a', [report(), None, report()])[::-1],
-                       *group_of('b', [report(), None, None, report()])])
-    assert [entry.name[:1] + entry.name[-6] for entry in entries] == [
-        'a0', 'b0', 'a1', 'b1', 'b2', 'a2', 'b3']
 
 
 def test_trend_is_the_median_of_all_slopes_in_pairs() -> None:
@@ -59,25 +43,6 @@ def test_only_wear_is_a_significant_trend() -> None:
     assert wear.percent(wear.low) < -0.2 < wear.percent(wear.high) < 0.0
 
 
-def test_broken_recordings_count_for_the_slope() -> None:
-    with_gap = [None if k in (3, 4) else report(4800.0 - 10.0 * k) for k in range(12)]
-    assert trends(archive(b=with_gap))[0].slope == pytest.approx(-10.0)
-
-
-def test_a_trend_is_shown_to_the_width_of_its_interval() -> None:
-    noise = np.random.default_rng(2).normal(0.0, 0.002, 20)
-    steady = archive(b=[report(4800.0 + value) for value in noise])
-    slope, low, high, _ = signed_percents(trends(steady)[0])
-    assert low != high and float(low) <= float(slope) <= float(high) and len(low) <= 12
-    assert signed_percents(trends(archive(b=WORN[:5]))[0]) == ('', '', '', '')
-    assert signed_percents(trends(archive(b=WORN))[0])[0].startswith('-0.19')
-
-
-def test_too_few_recordings_have_no_trend() -> None:
-    trend = trends(archive(b=WORN[:5]))[0]
-    assert np.isnan(trend.slope) and not trend.significant
-
-
 def test_change_is_found_at_the_first_recording_with_the_name() -> None:
     change, = changes(archive(a=STEADY, c=FRICTION))
     assert (change.group, change.family, change.number) == ('c', 'friction', 13)
@@ -86,22 +51,10 @@ def test_change_is_found_at_the_first_recording_with_the_name() -> None:
     assert change.earliest == change.latest == 13
 
 
-def test_a_broken_recording_may_be_the_first_after_a_change() -> None:
-    change, = changes(archive(c=[*FRICTION[:12], None, *FRICTION[13:]]))
-    assert (change.earliest, change.number, change.latest) == (13, 14, 14)
-
-
 def test_a_name_at_random_times_is_no_change() -> None:
     named = np.random.default_rng(3).random(40) < 0.4
     entries = archive(a=[report(4800.0, ['force_bias'] if one else []) for one in named])
     assert changes(entries) == []
-
-
-def test_a_clear_change_has_a_smaller_chance_than_permutations_can_show() -> None:
-    long = [report(4800.0, ['coulomb_friction'] if k >= 24 else []) for k in range(40)]
-    change, = changes(archive(c=long))
-    # All 16 names fall into the last 16 places of 40: one way of many.
-    assert change.chance == pytest.approx(39 / comb(40, 16))
 
 
 def test_only_the_group_that_is_different_differs() -> None:
@@ -118,20 +71,6 @@ def test_what_single_recordings_do_not_resolve_is_no_trend_and_no_difference() -
     entries = archive(a=level, b=drifting)
     assert not any(one.significant for one in trends(entries))
     assert differences(entries) == []
-
-
-def test_holm_multiplies_by_the_number_of_tests_left() -> None:
-    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
-    assert holm([]) == []
-
-
-def test_pool_is_spread_over_the_time_since_the_last_change() -> None:
-    entries = archive(a=STEADY, c=FRICTION)
-    steady, rubbing = pools(entries, changes(entries), 4)
-    assert [entry.name for entry in steady.members] == [
-        f'a/run_{k}.mcap' for k in (0, 6, 13, 19)]
-    assert [entry.name for entry in rubbing.members] == [
-        f'c/run_{k}.mcap' for k in (12, 14, 17, 19)]
 
 
 def test_copies_count_once_in_pools_changes_trends_and_differences() -> None:

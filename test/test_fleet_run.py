@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-import html
 from pathlib import Path
 import sys
 from typing import Any, Iterator, Mapping
@@ -110,15 +109,6 @@ def test_equal_recordings_are_diagnosed_once(
     assert len(workers.done) == 3
 
 
-def test_a_second_run_counts_copies_among_the_recordings_finished_before(
-    recordings: Path, tmp_path: Path, quickly: None
-) -> None:
-    fleets = [run(recordings, tmp_path, InThisProcess()) for _ in range(2)]
-    # The broken one is worked on, too: that it is broken is a result.
-    assert [(fleet.done, fleet.redone, fleet.identical) for fleet in fleets] == [
-        (0, 4, 1), (4, 0, 1)]
-
-
 def test_an_interrupted_run_resumes_to_the_same_table(
     recordings: Path, tmp_path: Path, quickly: None
 ) -> None:
@@ -179,16 +169,6 @@ def made_up() -> Fleet:
     return Fleet(entries, [pooled], changes(entries), 0, 27, SETTINGS)
 
 
-def test_page_counts_the_first_of_a_name_as_the_table_of_recordings_does() -> None:
-    pytest.importorskip('matplotlib')
-    fleet = made_up()
-    first = next(entry for entry in fleet.entries if entry.effects)
-    page = ' '.join(as_html(fleet).split())
-    assert first.number != 9  # its number in the group
-    assert f'first: recording {first.number} of all' in page
-    assert f'<td>{first.number}</td> <th scope="row">{html.escape(first.name)}' in page
-
-
 def test_page_says_what_changes_wears_and_differs() -> None:
     pytest.importorskip('matplotlib')
     page = as_html(made_up())
@@ -197,20 +177,6 @@ def test_page_says_what_changes_wears_and_differs() -> None:
     assert 'worn: K_e changes by -0.250 % per recording' in page
     assert '<robot>' not in page and '<script' not in page
     assert 'no contact' in page and 'broken' in page
-
-
-def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
-    pytest.importorskip('pyarrow')
-    pytest.importorskip('matplotlib')
-    archive_folder = tmp_path / 'archive'
-    archive_folder.mkdir()
-    (archive_folder / b'run_\xff.mcap'.decode('utf-8', 'surrogateescape')).write_bytes(b'')
-    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
-    entry, = fleet.entries
-    assert entry.name.endswith('/run_\\xff.mcap')
-    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
-    assert b'run_' in as_parquet(fleet.entries, 'model')
-    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
 
 
 @pytest.mark.parametrize('options, text', [

@@ -5,10 +5,8 @@
 
 from __future__ import annotations
 
-from math import erfc, exp, sqrt
 
 from contact_estimation.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
-from contact_estimation.foreign_laws.fractional_relaxation import gruenwald_weights
 from contact_estimation.foreign_laws.law import (
     ContactLaw,
     ForeignLaw,
@@ -17,7 +15,6 @@ from contact_estimation.foreign_laws.law import (
     SensorLaw,
 )
 from contact_estimation.physics import EFFECTS
-from law_runs import DT, law_of, response
 import memory_law_checks
 import numpy as np
 import pytest
@@ -35,20 +32,6 @@ WORLD = Magnitudes(depth=0.02, speed=0.1, force=80.0, control=150.0, duration=15
 @pytest.mark.parametrize('name', ALL_LAWS)
 def test_a_law_agrees_with_an_independent_form(name: str) -> None:
     CHECKS[name]()
-
-
-def test_gruenwald_weights_are_binomial_coefficients() -> None:
-    weights = gruenwald_weights(0.5, 5)
-    assert weights == pytest.approx([1.0, -1.0 / 2.0, -1.0 / 8.0, -1.0 / 16.0, -5.0 / 128.0])
-
-
-def test_the_spring_pot_of_order_one_half_solves_the_heat_equation() -> None:
-    law = law_of('fractional_relaxation', C=1.0, alpha=0.5)
-    t = np.arange(1, 3001) * DT
-    force = response(law, np.concatenate(([0.0], 1.0 - np.array(
-        [exp(s) * erfc(sqrt(s)) for s in t.tolist()]))))
-    # d = 1 - exp(t) erfc(sqrt(t)) solves D^(1/2) d = 1 - d.
-    assert force[500:] == pytest.approx([exp(s) * erfc(sqrt(s)) for s in t[499:]], rel=2e-3)
 
 
 @pytest.mark.parametrize('name', ALL_LAWS)

@@ -9,7 +9,7 @@ from math import floor
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.reference import held_at, with_held_reference
+from contact_estimation.diagnosis.observe.reference import held_at
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.open_loop import run_open_loop
@@ -38,11 +38,6 @@ def test_lines_between_samples_have_the_areas_of_the_steps(period: float) -> Non
     assert area == pytest.approx(staircase(fine).mean(), abs=0.01)
     between = np.abs(t[:, None] - STAMPS[None, :]).min(axis=1) > 0.51 * period
     assert lines[between] == pytest.approx(staircase(t[between]))
-
-
-def test_steps_are_half_a_period_late_where_rates_are_equal() -> None:
-    late = held_at(STAMPS, STAMPS, STEPS)[0]
-    assert late[1:] == pytest.approx(0.5 * (STEPS[0][1:] + STEPS[0][:-1]))
 
 
 def recorded_with_hold(period: float, **changes: Any) -> Recording:
@@ -80,31 +75,3 @@ def test_a_delay_beyond_the_hold_is_named() -> None:
     found = named(recorded_with_hold(1.0 / RATE_HZ, physics__command_delay__delay=0.02))
     assert list(found) == ['command_delay']
     assert found['command_delay'] == pytest.approx(0.02, abs=0.5 / RATE_HZ)
-
-
-def test_a_law_of_the_contact_is_named_alone_where_the_reference_is_held() -> None:
-    # On straight lines the hold is half a period of delay beside the law.
-    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__quadratic_damping__B_2=1500.0))
-    assert list(found) == ['quadratic_damping']
-
-
-def test_nothing_is_held_without_a_reference() -> None:
-    signals = recorded_with_hold(1.0 / RATE_HZ).signals
-    bare = Recording('bare', signals._replace(reference_t=np.empty(0), reference=np.empty((4, 0))))
-    assert with_held_reference(bare) is bare
-
-
-def test_a_hold_found_in_one_recording_is_that_of_the_held_out_one() -> None:
-    recording = recorded_with_hold(1.0 / RATE_HZ)
-    found = diagnose(recording, nominal(), held_out=[recording])
-    assert found.holds_reference
-    assert found.motion.recalibrated == pytest.approx(found.motion.nominal, rel=0.5)
-    assert found.motion.recalibrated is not None
-    assert found.motion.recalibrated < 2e-5, 'ten times as much on straight lines'
-
-
-def test_only_the_reference_changes() -> None:
-    recording = recorded_with_hold(5.0 / RATE_HZ)
-    signals, held = recording.signals, with_held_reference(recording).signals
-    assert held.reference_t is signals.wrench_t
-    assert held._replace(reference_t=signals.reference_t, reference=signals.reference) == signals

@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from concealed_worlds import diagnosed, nominal
-from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.diagnosis.observe.usable_samples import updates, without_held_samples
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.observe.usable_samples import updates
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -28,19 +28,6 @@ def test_of_repeated_values_the_first_is_kept(count: int) -> None:
     assert updates(held(long, count)).tolist() == list(range(0, len(long), count))
 
 
-def test_jitter_of_one_sample_is_no_other_rate() -> None:
-    counts = np.random.default_rng(1).choice([2, 3, 3, 3, 4], len(MOTION))
-    kept = updates(np.repeat(MOTION, counts))
-    assert set(np.cumsum(counts)[:-1]) <= set(kept.tolist())
-    assert len(kept) < 1.3 * len(MOTION)
-
-
-def test_at_standstill_a_sample_of_each_update_remains() -> None:
-    values = np.concatenate((held(MOTION, 3), np.full(90, 500.0), held(MOTION + 600.0, 3)))
-    kept = updates(values)
-    assert np.count_nonzero((kept >= 300) & (kept < 390)) == 30
-
-
 @pytest.mark.parametrize('values', [
     MOTION, np.repeat(MOTION, np.random.default_rng(2).integers(1, 30, len(MOTION))),
     np.floor(np.linspace(0.0, 60.0, 300)), np.zeros(300),
@@ -57,11 +44,6 @@ def joint(count: int) -> Signals:
     force = -(8.0 * v + 12.0 * np.tanh(v / 0.01)) + random.normal(0.0, 0.3, len(t))
     x = 1.2 / 1.9 * np.sin(1.9 * t) + random.normal(0.0, 1e-5, len(t))
     return Signals(t, force, t, held(x, count), np.empty(0), np.empty((4, 0)))
-
-
-def test_recording_without_repeated_values_stays_as_it_is() -> None:
-    recording = Recording('file', joint(1))
-    assert without_held_samples(recording) is recording
 
 
 def test_friction_is_named_though_positions_are_repeated() -> None:

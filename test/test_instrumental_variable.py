@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Any
 
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
-from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.instrumental_variable import (
     InstrumentalVariable,
     InstrumentalVariableParameters,
@@ -70,12 +69,6 @@ def test_position_noise_biases_the_others_downwards(name: str) -> None:
     assert max(errors) < -4.0  # every one of them
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('name', [*PLAIN, 'instrumental_variable'])
-def test_claimed_std_covers_the_bias(name: str) -> None:
-    assert all(abs(error) < 2.0 * std for error, std in damping_errors(name, 'none'))
-
-
 def test_recursion_equals_the_batch_solution() -> None:
     rows, keep = rows_of(400), np.exp(-T / 0.5)
     of = estimator(memory_s=0.5, delay_s=LAG * T, stiffness_std=1e9, damping_std=1e9)
@@ -99,40 +92,3 @@ def test_claimed_std_is_the_spread_over_noise(memory_s: float) -> None:
             learn(of, T, row, 0.25)
         finals.append([of.stiffness, of.damping])
     np.testing.assert_allclose(np.std(finals, axis=0), known(of)[2:4], rtol=0.25)
-
-
-@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
-def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
-    of = estimator()
-    for row in rows_of(300).tolist():
-        learn(of, T, row, 0.25, frozen)
-    moved = [of.stiffness != 3000.0, of.damping != 50.0]
-    assert moved == [not frozen.stiffness, not frozen.damping]
-
-
-def test_damping_is_remembered_while_it_is_held() -> None:
-    of, still = estimator(memory_s=0.5), rows_of(3000)
-    for row in rows_of(500).tolist():
-        learn(of, T, row, 0.25)
-    still[:, 0], still[:, 1], still[:, 2] = 0.01 * K, 0.01, 0.0
-    for row in still.tolist():
-        learn(of, T, row, 0.25, Frozen(False, True))
-    learn(of, T, rows_of(1)[0].tolist(), 0.25)
-    np.testing.assert_allclose([of.stiffness, of.damping], [K, B], rtol=0.02)
-
-
-def test_follows_a_wall_that_changes() -> None:
-    of = estimator(memory_s=0.3)
-    rows = rows_of(1500)
-    rows[500:, 0] += 1000.0 * rows[500:, 1] + 100.0 * rows[500:, 2]
-    for row in rows.tolist():
-        learn(of, T, row, 0.25)
-    np.testing.assert_allclose([of.stiffness, of.damping], [K + 1000.0, B + 100.0], rtol=0.01)
-
-
-def test_motion_out_of_step_with_its_instruments_moves_nothing() -> None:
-    of, rows = estimator(delay_s=np.pi / 20.0), rows_of(200)  # half a period: A is negative
-    rows[:, 1] = rows[:, 1] - 0.01
-    for row in rows.tolist():
-        learn(of, T, row, 0.25)
-    assert (of.stiffness, of.damping) == (3000.0, 50.0)

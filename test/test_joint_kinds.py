@@ -23,7 +23,3 @@ def test_a_joint_turns_or_slides_as_described(names: list[str], found: str) -> N
     ('revolute', 'only'), ('continuous', 'only'), ('prismatic', '')])
 def test_an_unnamed_joint_is_the_only_one_that_moves(kind: str, found: str) -> None:
     assert turning_joint(ONE.format(kind), ['']) == found
-
-
-def test_a_text_that_is_no_description_has_no_joint_that_turns() -> None:
-    assert turning_joint('', ['elbow']) == turning_joint('<robot', ['elbow']) == ''

@@ -11,12 +11,6 @@ from contact_estimation.signals.joint_merging import JointMerger
 import pytest
 
 
-def test_a_message_with_all_joints_is_passed_on() -> None:
-    row = JointMerger([False, False]).add(5, (1.0, 2.0), (3.0, nan))
-    assert row is not None
-    assert row[0] == 5 and row[1][:3] == (1.0, 2.0, 3.0) and row[1][3] != row[1][3]
-
-
 def test_parts_with_one_stamp_are_put_together() -> None:
     merger = JointMerger([False, False])
     assert merger.add(5, (1.0, nan), (3.0, nan)) is None
@@ -35,14 +29,6 @@ def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
     assert (first[0], second[0]) == (11, 12)
     assert first[1] == pytest.approx([1.5, 2.0, 1.0, 0.0])
     assert second[1] == pytest.approx([2.0, 2.5, 2.0, 0.0])
-
-
-def test_merging_continues_after_the_clock_has_jumped_back() -> None:
-    merger = JointMerger([False, False])
-    for stamp_ns in (10, 20, 3, 4):
-        merger.add(stamp_ns, (1.0, nan), (0.0, nan))
-        row = merger.add(stamp_ns, (nan, 2.0), (nan, 0.0))
-    assert row is not None and row[0] == 4
 
 
 def test_an_unlimited_joint_turns_on_where_its_angle_wraps() -> None:

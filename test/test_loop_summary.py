@@ -51,29 +51,12 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
 
 
-def test_summary_keeps_the_worst_model_fit() -> None:
-    configuration = configure('sine')
-    summary = summarise(run_of(configuration), configuration)
-    assert (summary['model_fit'], summary['model_fit_worst']) == (1.5, 7.0)
-
-
 def test_summary_of_a_run_without_contact_has_no_estimates() -> None:
     configuration = configure('sine')
     run = RecordedRun(run_of(configuration).series)
     summary = summarise(run, configuration)
     assert summary['stiffness'] is None and summary['damping_error_percent'] is None
     assert summary['samples_sent'] is None and summary['latency_ms'] is None
-
-
-def test_eq20_force_is_that_of_both_springs_at_rest() -> None:
-    configuration = configure('sine')
-    K_t, K_e = configuration.plant.robot.stiffness, configuration.plant.environment.stiffness
-    run = run_of(configuration)
-    run.series['stiffness'][:, 1] = 1.01 * K_e
-    # Unknowns F and x: F = K_t (x_r - x), eq. (1), and F = K_e x, eq. (3).
-    x_r = 50.0 / (1.01 * K_e)
-    force, _ = np.linalg.solve([[1.0, K_t], [1.0, -K_e]], [K_t * x_r, 0.0])
-    assert summarise(run, configuration)['eq20_force_n'] == pytest.approx(force)
 
 
 @pytest.mark.parametrize('mean, law, explained', [
@@ -93,15 +76,6 @@ def test_lost_samples_and_latency_over_two_cycles_disturb_a_run() -> None:
     assert lost == '3 of 500 samples dropped'
     assert late == 'latency of 7 samples over two cycles (4 ms), up to 5.1 ms'
     assert disturbances({**measured, 'samples_lost': 0}, 200.0) == []
-
-
-def test_figure_carries_the_note_and_the_warning() -> None:
-    pytest.importorskip('matplotlib')
-    configuration = configure('sine')
-    wall = configuration.plant.environment
-    figure = plot_run(run_of(configuration), 'a title', wall, 'eq. (20) alone', 'disturbed')
-    assert figure.axes[0].get_xlabel() == 'eq. (20) alone'
-    assert figure.axes[0].get_title(loc='left') == 'disturbed'
 
 
 def test_figure_shows_signals_estimates_and_true_values() -> None:
@@ -130,18 +104,3 @@ def test_configuration_gives_the_estimator_the_robot_of_the_plant(tmp_path: Path
     assert estimator['estimator'] == 'kalman'
     plant = read_parameter_file(tmp_path / 'out.yaml', 'plant_node')
     assert plant['seed'] == 3 and plant['summary_file'] == str(tmp_path / 'plant.json')
-
-
-def test_lockstep_loses_no_sample_to_quality_of_service(tmp_path: Path) -> None:
-    for lockstep in (False, True):
-        write_parameters(tmp_path / 'out.yaml', configure('sine', lockstep=lockstep), tmp_path)
-        quality = [value for name, value in
-                   read_parameter_file(tmp_path / 'out.yaml', 'estimator_node').items()
-                   if name.startswith('qos_overrides.')]
-        assert quality == (['reliable'] * 3 if lockstep else [])
-
-
-def test_duration_beyond_one_experiment_repeats_it() -> None:
-    once = configure('sine')
-    twice = configure('sine', duration=2.0 * once.duration)
-    assert [c.sections['plant_node']['repeat'] for c in (once, twice)] == [False, True]

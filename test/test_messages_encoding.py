@@ -14,24 +14,19 @@ from contact_estimation.messages import (
     encode_float64,
     encode_multi_array,
     encode_string,
-    JointStateDecoder,
     JointStateEncoder,
-    TrajectoryDecoder,
     TrajectoryEncoder,
     Vector3StampedEncoder,
-    WrenchDecoder,
     WrenchEncoder,
 )
 import numpy as np
 import pytest
 from reference_messages import (
-    deserialized,
     FLOAT64,
     joint_state_bytes,
     new,
     serialized,
     STRING,
-    TRAJECTORY,
     trajectory_bytes,
     vector_bytes,
     wrench_bytes,
@@ -41,12 +36,6 @@ FRAMES = ['abcdefghi'[:n] for n in range(10)]
 NAMES = ['x', 'xyz', 'x_axis', 'contact_x']
 STAMP_NS = 1_750_000_000_123_456_789
 HEAD: Any = {'stamp_ns': STAMP_NS}
-
-
-def from_rclpy(raw: bytes, module: str, name: str) -> Any:
-    """Let rclpy read a message, skip where there is no ROS installation."""
-    serialization = pytest.importorskip('rclpy.serialization')
-    return serialization.deserialize_message(raw, getattr(pytest.importorskip(module), name))
 
 
 @pytest.mark.parametrize('frame_id', FRAMES)
@@ -103,53 +92,3 @@ def test_array_has_the_bytes_of_rosbags(label: str) -> None:
     message = new('Float64MultiArray', layout, np.array(values))
     expected = serialized(message, 'std_msgs/msg/Float64MultiArray')
     assert encode_multi_array([(label, 2), ('b', 3)], values) == expected
-
-
-@pytest.mark.parametrize('frame_id', FRAMES)
-def test_rclpy_reads_vector_and_trajectory(frame_id: str) -> None:
-    raw = Vector3StampedEncoder(frame_id).encode(STAMP_NS, 1.0, 2.0, 3.0)
-    message = from_rclpy(raw, 'geometry_msgs.msg', 'Vector3Stamped')
-    assert (message.vector.x, message.vector.y, message.vector.z) == (1.0, 2.0, 3.0)
-    assert message.header.frame_id == frame_id
-    raw = TrajectoryEncoder(frame_id, 'x_axis').encode(STAMP_NS, 1.0, 2.0, 3.0, 4.0)
-    message = from_rclpy(raw, 'trajectory_msgs.msg', 'JointTrajectory')
-    assert message.joint_names == ['x_axis']
-    assert [list(p.effort) for p in message.points] == [[4.0]]
-
-
-@pytest.mark.parametrize('with_velocity', [True, False])
-def test_rclpy_reads_joint_state(with_velocity: bool) -> None:
-    raw = JointStateEncoder('base', 'x_axis', with_velocity).encode(STAMP_NS, 0.25, -0.5)
-    message = from_rclpy(raw, 'sensor_msgs.msg', 'JointState')
-    assert list(message.name) == ['x_axis']
-    assert [*message.position, *message.velocity] == [0.25, -0.5][:1 + with_velocity]
-
-
-def test_wrench_comes_back() -> None:
-    for force in [(1.0, -2.0, 3.0), (math.inf, 0.0, 5e-324)]:
-        raw = WrenchEncoder('tool').encode(STAMP_NS, *force)
-        assert WrenchDecoder().decode(raw) == (STAMP_NS, 'tool', *force)
-
-
-@pytest.mark.parametrize('with_velocity', [True, False])
-def test_joint_state_comes_back(with_velocity: bool) -> None:
-    raw = JointStateEncoder('base', 'x_axis', with_velocity).encode(STAMP_NS, 0.25, -0.5)
-    reading = JointStateDecoder('x_axis').decode(raw)
-    assert reading[:2] == (STAMP_NS, 0.25)
-    assert reading.velocity == -0.5 if with_velocity else math.isnan(reading.velocity)
-
-
-def test_trajectory_comes_back() -> None:
-    raw = TrajectoryEncoder('base', 'x_axis').encode(0, 0.1, 0.2, 0.3, 25.0)
-    assert TrajectoryDecoder().decode(raw) == (0, 0.1, 0.2, 0.3, 25.0)
-
-
-def test_time_from_start_is_zero() -> None:
-    raw = TrajectoryEncoder('base', 'x').encode(STAMP_NS, 1.0, 2.0, 3.0, 4.0)
-    point = deserialized(raw, TRAJECTORY).points[0]
-    assert (point.time_from_start.sec, point.time_from_start.nanosec) == (0, 0)
-
-
-def test_negative_stamp_keeps_its_value() -> None:
-    raw = WrenchEncoder('').encode(-1, 0.0, 0.0, 0.0)
-    assert WrenchDecoder().decode(raw).stamp_ns == -1

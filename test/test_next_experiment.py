@@ -10,20 +10,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
-from contact_estimation.diagnosis.conclude import next_experiment
 from contact_estimation.diagnosis.conclude.candidates import (
     Candidate,
     candidates,
     Reach,
     scaling_test,
 )
-from contact_estimation.diagnosis.conclude.naming import advice, listed
-from contact_estimation.diagnosis.conclude.next_experiment import (
-    _pressed,
-    choose,
-    Judge,
-    reach_of,
-)
+from contact_estimation.diagnosis.conclude.naming import advice
+from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
@@ -33,7 +27,7 @@ from contact_estimation.diagnosis.observe.prepared_recording import PreparedReco
 from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
-from contact_estimation.reference.experiment_file import experiment_text, read_experiment
+from contact_estimation.reference.experiment_file import experiment_text
 from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
 from diagnosed_worlds import diagnosed, recorded
 import numpy as np
@@ -89,20 +83,6 @@ def test_experiment_file_gives_the_same_experiment_to_the_bit(
         assert repr(again.desired(t)) == repr(experiment.desired(t))
 
 
-def test_excitations_of_all_kinds_are_written(tmp_path: Path) -> None:
-    path = tmp_path / 'all.yaml'
-    path.write_text(
-        'name: all\nstart: 0.0\nsegments:\n'
-        '- {duration: 1.0, position: 0.0, position_excitation: '
-        '{kind: multisine, amplitude: 0.1, angular_frequencies: [5.0, 11.0]}}\n'
-        '- {duration: 1.0, position: 0.1, force: 3.0, force_excitation: '
-        '{kind: prbs, amplitude: 2.0, shift_rate: 10.0}}\n')
-    first = read_experiment(path)
-    again = written(first, tmp_path)
-    assert all(repr(again.desired(0.01 * k)) == repr(first.desired(0.01 * k))
-               for k in range(200))
-
-
 @pytest.mark.parametrize('candidate', PROPOSED, ids=lambda candidate: candidate.experiment.name)
 def test_proposals_stay_within_reach_and_do_not_jump(candidate: Candidate) -> None:
     x, v, a = motion(candidate.experiment)
@@ -112,15 +92,6 @@ def test_proposals_stay_within_reach_and_do_not_jump(candidate: Candidate) -> No
     assert np.abs(np.diff(x) - 0.5 * STEP * (v[1:] + v[:-1])).max() < 1e-6
     assert np.abs(np.diff(v) - 0.5 * STEP * (a[1:] + a[:-1])).max() < 1e-3
     assert np.abs(a[[0, -1]]).max() == 0.0
-
-
-def test_reach_is_that_of_the_recording() -> None:
-    d, o = diagnosed('friction'), diagnosed('friction').recordings[0].observed
-    reach = reach_of(d)
-    assert reach.depth <= o.x.max() and reach.depth > 0.7 * o.x.max()
-    assert reach.speed == pytest.approx(np.abs(o.v).max())
-    assert reach.gap == pytest.approx(-o.x.min())
-    assert reach.gain == pytest.approx(1.0 + d.recalibrated.stiffness / 2500.0)
 
 
 def test_proposal_names_pair_and_experiment() -> None:
@@ -154,23 +125,6 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
-@pytest.mark.slow
-def test_best_proposal_differs_more_than_the_others() -> None:
-    d = open_question()
-    proposal, judge = choose(d), Judge(d)
-    strengths = {c.words: judge.least_difference(c.experiment).strength
-                 for c in candidates(reach_of(d))}
-    assert proposal is not None and max(strengths, key=lambda w: strengths[w]) in proposal.text
-
-
-@pytest.mark.slow
-def test_models_that_are_the_same_are_not_promised_apart() -> None:
-    d = open_question()
-    twin = replace(d, rivals={'quadratic_damping': d.corrected})
-    proposal = choose(twin)
-    assert proposal is not None and 'it is hard to tell' in proposal.text
-
-
 @pytest.mark.parametrize('touching, again', [(True, 'contact'), (False, 'motion')])
 def test_advice_does_not_deny_what_is_named(touching: bool, again: str) -> None:
     effects = diagnosed('friction').effects
@@ -191,48 +145,7 @@ def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
                          reach.position(0.5 * reach.depth)}
 
 
-@pytest.mark.parametrize('name', ['clean', 'stiffer', 'friction'])
-def test_nothing_is_proposed_where_nothing_is_open(name: str) -> None:
-    assert choose(diagnosed(name)) is None
-
-
 def test_attached_environment_has_no_robot_to_play_an_experiment() -> None:
     d = open_question()
     wall = PlantParameters(environment=WallParameters(unilateral=False, inertia=1.0))
     assert choose(replace(d, nominal=replace(d.nominal, nominal=wall))) is None
-
-
-def test_without_a_robot_an_experiment_is_the_motion_that_the_wall_lets_it_have(
-    monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refused(*arguments: object) -> None:
-        raise AssertionError('a robot that nothing is known of is simulated')
-
-    monkeypatch.setattr(next_experiment, 'simulate_on', refused)
-    d = open_question()
-    bare = [replace(one, observed=replace(one.observed, reference=None), observer=None,
-                    discount=None) for one in d.recordings]
-    judge = Judge(replace(d, recordings=bare))
-    experiment = candidates(reach_of(d))[0].experiment
-    difference = judge.least_difference(experiment)
-    assert difference.force > 1.0 and difference.motion is None
-    gain = reach_of(d).gain
-    asked = motion(experiment)
-    x_e = d.corrected.nominal.environment.location
-    x, v, _ = _pressed(asked, d.corrected, gain)
-    inside = asked[0] > x_e
-    assert x[inside] - x_e == pytest.approx((asked[0][inside] - x_e) / gain)
-    assert v[inside] == pytest.approx(asked[1][inside] / gain)
-    assert (x[~inside] == asked[0][~inside]).all()
-
-
-def test_a_proposal_for_a_contact_of_micrometres_is_not_approached_from_millimetres() -> None:
-    small = Reach(7e-6, 7e-6, 6e-7, 1.0, 3e-6, 2e-6)
-    for candidate in candidates(small):
-        assert candidate.experiment.duration < 60.0
-
-
-@pytest.mark.parametrize('names, words', [
-    (['a'], 'a'), (['a', 'b'], 'a and b'), (['a', 'b', 'c'], 'a, b and c')])
-def test_names_are_listed_in_words(names: list[str], words: str) -> None:
-    assert listed(names) == words

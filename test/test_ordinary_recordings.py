@@ -8,13 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal
-from contact_estimation.diagnosis.observe.motion_error import (
-    lost_by_lines,
-    motion_error,
-    quantisation_step,
-)
+from contact_estimation.diagnosis.observe.motion_error import quantisation_step
 from contact_estimation.diagnosis.observe.observed import observe
-from contact_estimation.diagnosis.observe.pace import pace_of
 from contact_estimation.diagnosis.observe.parts import continuous_parts
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -47,19 +42,6 @@ def relaxing(t: Array, x: Array, K: float, K_1: float, tau: float) -> Array:
     return -K * x - branch
 
 
-@pytest.mark.parametrize('rate', [100.0, 125.0, 500.0, 1000.0])
-def test_pace_is_one_at_usual_rates(rate: float) -> None:
-    assert pace_of(1.0 / rate, 20.0) == 1.0
-
-
-def test_times_hold_the_same_samples_at_slow_rates() -> None:
-    assert pace_of(10.0, 1e5) == pytest.approx(10.0 * pace_of(1.0, 1e5))
-
-
-def test_times_shrink_with_short_recordings() -> None:
-    assert pace_of(0.001, 0.4) == pytest.approx(0.2)
-
-
 def test_a_pause_of_all_topics_makes_two_parts() -> None:
     s = touches.recorded()
     kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.2)
@@ -80,21 +62,6 @@ def test_a_brief_pause_divides_only_where_the_motion_bends(bend: float, parts: i
     assert len(continuous_parts(Recording('file', signals), attached(stiffness=1e4))) == parts
 
 
-def test_a_recording_without_a_pause_stays_as_it_is() -> None:
-    s = touches.recorded()
-    (part,) = continuous_parts(Recording('file', s), touches.nominal())
-    assert part.name == 'file'
-    for before, after in zip(s, part.signals):
-        np.testing.assert_array_equal(before, after)
-
-
-def test_joints_that_start_late_cut_the_wrenches() -> None:
-    s = touches.recorded()
-    late = s._replace(joint_t=s.joint_t[300:], position=s.position[300:])
-    (part,) = continuous_parts(Recording('file', late), touches.nominal())
-    assert part.signals.wrench_t[0] == pytest.approx(s.joint_t[300], abs=0.011)
-
-
 @pytest.mark.parametrize('tone, averaged', [(0.5, True), (200.0, False)])
 def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, averaged: bool) -> None:
     t: Array = 0.001 * np.arange(80_000.0)
@@ -109,30 +76,6 @@ def test_step_of_rounded_positions_is_found() -> None:
     x = np.cumsum(np.random.default_rng(1).normal(size=2000)) * 1e-3
     assert quantisation_step(np.round(x / 1e-4) * 1e-4) == pytest.approx(1e-4)
     assert quantisation_step(x) == 0.0
-
-
-def test_a_shift_between_steps_and_a_constant_speed_are_no_resolution() -> None:
-    x = np.round(np.sin(np.linspace(0.0, 9.0, 4000)) / 5e-3) * 5e-3
-    x[2000:] += 1.3e-3
-    assert quantisation_step(x) == pytest.approx(5e-3, rel=1e-3)
-    to_and_fro = np.concatenate((np.arange(1000), 999.7 - np.arange(1000)))
-    assert quantisation_step(1e-3 * to_and_fro) < 5e-4
-
-
-def test_bends_between_slow_samples_are_errors_of_the_motion() -> None:
-    t = 0.1 * np.arange(100)
-    x = np.maximum(t - 5.0, 0.0)
-    v = np.gradient(x, t)
-    errors = motion_error(x, v, 0.1, 0.0, 2.0, 1e-6, None)
-    assert errors is not None
-    assert errors[1, 50] > 0.1
-    assert errors[1, [20, 80]] == pytest.approx(0.0, abs=1e-9)
-    assert motion_error(x, v, 0.002, 0.0, 20.0, 1e-6, None) is None
-
-
-def test_straight_lines_lose_an_eighth_of_the_curvature() -> None:
-    t = np.arange(20.0)
-    assert np.all(lost_by_lines(0.5 * t**2)[2:-2] >= 0.125)
 
 
 @pytest.mark.slow

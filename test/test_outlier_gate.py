@@ -60,43 +60,10 @@ def test_change_is_believed_after_so_many_samples() -> None:
     np.testing.assert_array_equal(got[204:], given[204:])
 
 
-def test_spikes_on_alternating_sides_are_never_believed() -> None:
-    gate, given = OutlierGate(6.0, 3), forces()
-    given[200:210] += 80.0 * (-1.0) ** np.arange(10)
-    replaced(given, gate)
-    assert gate.count == 10
-
-
-def test_spike_at_touch_down_spoils_no_sample_after_it() -> None:
-    gate, given = OutlierGate(6.0, 5), forces()
-    given[0] += 300.0
-    np.testing.assert_array_equal(replaced(given, gate), given)
-
-
-def test_turning_round_in_a_fast_touch_is_no_outlier() -> None:
-    gate, t = OutlierGate(6.0, 5), 0.002 * np.arange(40)
-    depths, rates = 2.4e-3 * np.sin(40.0 * t), 0.096 * np.cos(40.0 * t)
-    noise = NOISE * np.random.default_rng(1).standard_normal(40)
-    for d, y in zip(depths.tolist(), (4800.0 * depths + 200.0 * rates + noise).tolist()):
-        assert gate.replace(d, y, NOISE) == y
-
-
 def test_threshold_0_replaces_nothing() -> None:
     gate, given = OutlierGate(0.0, 5), forces()
     given[200] += 500.0
     np.testing.assert_array_equal(replaced(given, gate), given)
-
-
-@EACH
-def test_one_sample_of_500_newtons_moves_the_stiffness_by_less_than_1_percent(
-    estimator: str
-) -> None:
-    samples = contact_samples(2.0, force_noise=NOISE)
-    clean, spoilt = (
-        [e.stiffness for e in estimates_of(list(s), pipeline_with(estimator=estimator))]
-        for s in (samples, hit(samples, [900], 500.0))
-    )
-    np.testing.assert_allclose(spoilt[900:], clean[900:], rtol=0.01)
 
 
 @EACH

@@ -13,13 +13,10 @@ from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.specification import parameter, ParameterGroup, specifications
-from contact_estimation.parameters.values import build, flatten
-from contact_estimation.physics import EFFECTS, effects_that_are_on, PhysicsParameters
+from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
-from contact_estimation.physics.effect import Effect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
-from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth
 from effect_examples import example
 import numpy as np
@@ -71,16 +68,6 @@ class NeedsTwo(ContactEffect):
 
 
 @EACH
-def test_name_is_the_key(name: str) -> None:
-    assert EFFECTS[name].name == name
-
-
-@EACH
-def test_port_is_that_of_its_base(name: str) -> None:
-    assert issubclass(EFFECTS[name], PORTS[EFFECTS[name].port])
-
-
-@EACH
 def test_equation_names_every_parameter(name: str) -> None:
     effect = EFFECTS[name]
     assert all(spec.name in effect.equation for spec in specifications(effect.Parameters))
@@ -126,43 +113,6 @@ def test_law_gives_the_same_for_numbers_and_arrays(name: str) -> None:
     np.testing.assert_allclose(arrays, numbers, rtol=1e-12)
 
 
-@EACH
-def test_estimation_and_plant_know_the_effect_by_one_name(name: str) -> None:
-    assert any(key.startswith(f'physics.{name}.') for key in flatten(PlantParameters()))
-
-
-def test_no_effect_is_on_by_default() -> None:
-    assert effects_that_are_on(PhysicsParameters()) == []
-
-
-def test_effects_that_are_on_come_in_the_order_of_the_registry() -> None:
-    physics = build(PhysicsParameters, {
-        f'{name}.{spec.name}': 0.5
-        for name, cls in reversed(EFFECTS.items()) for spec in specifications(cls.Parameters)
-    })
-    assert [effect.name for effect in effects_that_are_on(physics)] == list(EFFECTS)
-
-
 def test_effect_with_only_some_of_its_parameters_is_refused() -> None:
     with pytest.raises(ParameterRangeError, match='needs_two needs all of first, second; missing'):
         NeedsTwo.when_on(TwoParameters(first=1.0))
-
-
-def test_effect_with_all_of_its_parameters_is_on() -> None:
-    assert isinstance(NeedsTwo.when_on(TwoParameters(1.0, 2.0)), Effect)
-
-
-def test_coulomb_friction_is_an_odd_smooth_sign() -> None:
-    friction = EFFECTS['coulomb_friction'].when_on(
-        EFFECTS['coulomb_friction'].Parameters(6.0))  # type: ignore[call-arg]
-    assert isinstance(friction, ContactEffect)
-    forces = [friction.resistance(0.0, 0.01, v, (), math) for v in (-0.1, -4e-4, 0.0, 4e-4, 0.1)]
-    slope = 6.0 * (math.e**2 - 1.0) / (math.e**2 + 1.0)
-    assert forces == pytest.approx([-6.0, -slope, 0.0, slope, 6.0])
-
-
-def test_hooks_that_a_contact_effect_leaves_out_change_nothing() -> None:
-    effect = NeedsTwo(TwoParameters(1.0, 2.0))
-    assert (effect.surface(1.0, (), math), effect.spring(0.0, 0.1, 7.0, math),
-            effect.damper(0.1, 0.2, 8.0, 1.0, math), effect.resistance(0.0, 0.1, 0.2, (), math),
-            effect.state_rates(0.0, 0.1, 0.2, True, ())) == ((0.0, 0.0), 7.0, 8.0, 0.0, ())

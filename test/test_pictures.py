@@ -8,10 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.commands import replay, simulate
-from contact_estimation.estimation.contact_figure import plot_contact
-from contact_estimation.estimation.estimate_trace import EstimateTrace
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
-import numpy as np
 import pytest
 from run_commands import Command
 
@@ -63,20 +60,3 @@ def test_a_picture_of_another_kind_is_refused(
     pytest.importorskip('matplotlib')
     message = Command('replay', replay.main, capfd).refusal('a.mcap', '--picture', 'run.pdf')
     assert '--picture writes a PNG file, got run.pdf' in message
-
-
-def test_a_long_trace_is_thinned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('contact_estimation.estimation.estimate_trace._MOST', 10)
-    trace = EstimateTrace()
-    for first in range(0, 100, 7):
-        trace.write(estimates(7, first))
-    kept = trace.series(0)['stiffness'][:, 1]
-    assert 5 <= len(kept) <= 10
-    assert set(np.diff(kept)) == {16.0} and kept[0] == 0.0
-
-
-def test_figure_without_estimates_has_force_and_motion_alone() -> None:
-    pytest.importorskip('matplotlib')
-    series = {name: np.array([[0.0, 1.0], [1.0, 2.0]]) for name in ('force', 'position')}
-    figure = plot_contact(series, 'a title')
-    assert [axis.get_ylabel() for axis in figure.axes] == ['pressing force [N]', 'position [mm]']

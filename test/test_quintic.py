@@ -12,16 +12,6 @@ import pytest
 BEGIN, END, DURATION = -0.1, 0.0204, 2.2
 
 
-def test_quintic_begins_and_ends_at_rest() -> None:
-    assert quintic(BEGIN, END, DURATION, 0.0) == (BEGIN, 0.0, 0.0)
-    assert quintic(BEGIN, END, DURATION, DURATION) == pytest.approx((END, 0.0, 0.0), abs=1e-15)
-
-
-def test_quintic_rests_before_and_after() -> None:
-    assert quintic(BEGIN, END, DURATION, -1.0)[0] == BEGIN
-    assert quintic(BEGIN, END, DURATION, 9.0) == pytest.approx((END, 0.0, 0.0), abs=1e-15)
-
-
 def test_quintic_solves_the_six_end_conditions() -> None:
     rows = []
     for t in (0.0, DURATION):

@@ -5,15 +5,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.benchmarks.record_score import class_of, with_relatives
+from contact_estimation.benchmarks.record_score import class_of
 from contact_estimation.benchmarks.record_table import as_markdown, Row
 from contact_estimation.benchmarks.records import find_records, main
 from contact_estimation.exceptions import RecordingError
-from diagnosed_worlds import recorded, write_model, write_recording
 import pytest
 
 FRICTION = {'acceptable_names': ['coulomb_friction']}
@@ -51,28 +49,6 @@ def test_the_family_of_the_first_name_decides(
     truth: dict[str, Any], names: list[str], expected: str
 ) -> None:
     assert class_of(truth, report(*names)) == expected
-
-
-def test_a_failed_diagnosis_is_neither_silent_nor_wrong() -> None:
-    assert class_of(FRICTION, None) == 'failed'
-
-
-def test_hysteresis_as_an_acceptable_name_does_not_admit_friction() -> None:
-    assert with_relatives({'bouc_wen_hysteresis'}) == {'bouc_wen_hysteresis'}
-    assert 'plastic_set' not in with_relatives({'coulomb_friction'})
-    assert with_relatives({'robot_friction'}) >= {'coulomb_friction', 'bouc_wen_hysteresis'}
-
-
-def test_recordings_that_others_are_tested_on_are_no_records(tmp_path: Path) -> None:
-    for name in ('drive_train', 'drive_pulses', 'other_train', 'third'):
-        (tmp_path / f'{name}.mcap').touch()
-        (tmp_path / f'{name}.nominal.yaml').touch()
-    (tmp_path / 'without_model.mcap').touch()
-    (tmp_path / 'third.truth.json').write_text(json.dumps(FRICTION))
-    found = find_records(tmp_path)
-    assert [(one.name, one.holdout and one.holdout.name, one.truth) for one in found] == [
-        ('drive_train', 'drive_pulses.mcap', None), ('other_train', None, None),
-        ('third', None, FRICTION)]
 
 
 @pytest.mark.parametrize(('content', 'message'), [
@@ -116,24 +92,3 @@ def test_table_has_a_row_for_each_record_and_counts_classes() -> None:
     assert '| no contact | failed |' in lines[4]
     assert lines[6:] == ['3 records, 2 with a known truth: right alone 1 (50 %), failed 1 (50 %).',
                          'Processor time: 14 s.']
-
-
-@pytest.mark.slow
-def test_two_records_are_diagnosed_and_scored(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    worlds: tuple[tuple[str, dict[str, Any], dict[str, Any]], ...] = (
-        ('clean', {}, CLEAN), ('rubbing', {'physics__coulomb_friction__F_c': 2.0}, FRICTION))
-    for name, changes, truth in worlds:
-        write_recording(tmp_path / f'{name}.mcap', recorded(**changes))
-        write_model(tmp_path / f'{name}.nominal.yaml')
-        (tmp_path / f'{name}.truth.json').write_text(json.dumps({**truth, 'source': 'simulated'}))
-    assert main([str(tmp_path), '--output', str(tmp_path / 'table.md')]) == 0
-    text = (tmp_path / 'table.md').read_text()
-    assert capsys.readouterr().out == text
-    clean, rubbing = text.splitlines()[2:4]
-    assert clean.startswith('| clean | simulated | consistent | none | rightly silent | ')
-    assert rubbing.startswith('| rubbing | simulated | physics missing | `coulomb_friction` ')
-    assert '| right alone |' in rubbing
-    before, after = (float(word.split()[0]) for word in rubbing.split(' | ')[5].split(' → '))
-    assert after < 0.6 * before < 20.0
