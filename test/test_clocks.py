@@ -11,12 +11,8 @@ from typing import Any
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.conclude.views import Offset
-from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.parameters.values import build
-from contact_estimation.plant.driven_wall import run_driven_wall
-from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.diagnosis.observe.signals import Recording
 from diagnosed_worlds import nominal, recorded
-import numpy as np
 import pytest
 
 LATE_S, DRIVE_HZ = 0.01, 250.0
@@ -63,34 +59,4 @@ def test_an_offset_is_put_right() -> None:
 def test_a_command_that_arrives_late_is_named() -> None:
     found = diagnosed(0.0, command_delay__delay=LATE_S)
     assert [effect.name for effect in found.effects] == ['command_delay']
-    assert all(check.ok for check in found.checks)
-
-
-def of_driven_wall(late: float, held: bool = False) -> Diagnosis:
-    """Diagnose a hardening wall that a force drives, with joint states that are stamped late."""
-    rng = np.random.default_rng(3)
-    t = np.arange(round(4.0 * DRIVE_HZ)) / DRIVE_HZ
-    tones, phases = 2.0 * np.pi * rng.uniform(0.3, 25.0, 40), rng.uniform(0.0, 2.0 * np.pi, 40)
-    force = 2.5 * np.sum(np.sin(np.outer(tones, t) + phases[:, np.newaxis]), axis=0)
-    fine = t[0] + np.arange(16 * len(t)) / (16.0 * DRIVE_HZ)
-    driving = np.repeat(force, 16) if held else np.interp(fine, t, force)
-    world = build(PlantParameters, {**WALL, 'physics.cubic_stiffness.K_3': 4e7})
-    x = run_driven_wall(world, fine, driving, 0.0)[::16] + 2e-6 * rng.normal(size=len(t))
-    force = force + 2e-3 * rng.normal(size=len(t))
-    signals = Signals(t, force, t + late, x, np.empty(0), np.empty((4, 0)))
-    return diagnose(Recording('late.mcap', signals), build(PlantParameters, WALL))
-
-
-def test_late_joint_states_of_a_driven_wall_are_told() -> None:
-    found = of_driven_wall(LATE_S)
-    failed = {check.name: check.text for check in found.checks if not check.ok}
-    assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
-    remedy = re.search(r'set synchronisation.offset to (-[\d.]+) s', failed['clock_offset'])
-    assert remedy and float(remedy[1]) == pytest.approx(-LATE_S, rel=0.1)
-    assert 'command that the drive follows late' in failed['clock_offset']
-
-
-def test_a_force_that_is_held_between_samples_is_no_late_stamp() -> None:
-    found = of_driven_wall(0.0, held=True)
-    assert [effect.name for effect in found.effects] == ['cubic_stiffness']
     assert all(check.ok for check in found.checks)

@@ -69,16 +69,6 @@ def test_the_limits_hold_for_any_target(
     assert_safe(last, limited(last, target, dt, T, speed, deepest), dt, T, speed, deepest)
 
 
-def test_a_target_within_the_limits_is_the_reference() -> None:
-    last, target = Reference(0.0, 0.0, 0.0), Reference(4e-4, 0.2, 1.0, 30.0)
-    assert limited(last, target, T, T, 0.25, 0.01) == target
-
-
-def test_beyond_the_deepest_position_the_reference_retreats() -> None:
-    last, target = Reference(0.05, 0.0, 0.0), Reference(0.06, 0.2, 1.0)
-    assert limited(last, target, T, T, 0.25, 0.01) == (0.05 - 0.25 * T, -0.25, 0.0, 0.0)
-
-
 STEPS = st.lists(st.tuples(
     DESIRED, st.booleans(), HOSTILE, st.floats(1.0, 1e6) | ANY,
     st.floats(0.0, 0.01) | st.sampled_from([T, 10.0, 1e-12]),

@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from contact_estimation.estimation.events import set_location
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
@@ -105,16 +104,6 @@ def positions(results: list[Result]) -> list[float]:
     return [result.reference.position for result in results if result.reference]
 
 
-def test_references_that_one_message_completes_share_a_period() -> None:
-    session, before, now_ns = pressed(nan)
-    session.add_desired(now_ns - PERIOD_NS, Desired(1.0, 0.0, 0.0, nan))
-    for k in range(20):
-        assert not session.add_wrench(now_ns + k * PERIOD_NS, -20.0)
-    together = session.add_motion(now_ns + 19 * PERIOD_NS, 0.005, 0.0)
-    x_r = positions([before[-1], *together])
-    assert len(together) == 20 and x_r[-1] - x_r[0] == pytest.approx(SPEED * T, rel=1e-6)
-
-
 def test_after_a_clock_jump_the_reference_goes_on_from_the_last() -> None:
     session, before, _ = pressed()
     x = before[-1].sample.position
@@ -122,33 +111,6 @@ def test_after_a_clock_jump_the_reference_goes_on_from_the_last() -> None:
     x_r = positions([before[-1], *after])
     assert session.time_jumps == 1 and len(after) == 9
     assert max(np.abs(np.diff(x_r))) <= SPEED * T * (1.0 + 1e-9)
-
-
-def test_the_setpoint_in_force_outlasts_a_clock_that_is_set_back() -> None:
-    session, before, now_ns = pressed()
-    session.add_desired(now_ns - 9 * PERIOD_NS, Desired(0.01, 0.0, 0.0, 40.0))
-    x = before[-1].sample.position
-    for begin_ns in (now_ns, 10**6):
-        held = [ContactSample(begin_ns + k * PERIOD_NS, x, 0.0, -20.0) for k in range(9)]
-        results = fed(session, held)
-    assert session.time_jumps == 1
-    assert {result.reference.force for result in results if result.reference} == {40.0}
-
-
-def test_to_a_robot_moved_meanwhile_the_reference_returns_at_the_limit_of_its_rate() -> None:
-    session, before, _ = pressed(nan)
-    moved = [ContactSample(10**6 + k * PERIOD_NS, -0.4, 0.0, 0.0) for k in range(900)]
-    x_r = positions([before[-1], *fed(session, moved)])
-    assert min(np.diff(x_r)) == pytest.approx(-SPEED * T) and x_r[-1] == -0.4
-
-
-@pytest.mark.parametrize('rate', [100, 250, 1000])
-def test_the_full_rate_is_reached_at_other_rates_than_the_nominal(rate: int) -> None:
-    session = ContactSession(EstimationParameters())
-    session.add_desired(1, Desired(1.0, 0.0, 0.0, nan))
-    samples = [ContactSample(1 + k * 10**9 // rate, 0.0, 0.0, 0.0) for k in range(100)]
-    x_r = positions(fed(session, samples))
-    assert x_r[-1] - x_r[-11] == pytest.approx(SPEED * 10 / rate, rel=1e-3)
 
 
 @pytest.mark.parametrize('size', [2, 8])
@@ -188,14 +150,3 @@ def test_the_reach_from_a_surface_found_stays_until_a_reset() -> None:
     assert moved().position == pytest.approx(0.004, abs=1e-3)
     session.reset()
     assert moved().position > 0.3
-
-
-def test_a_location_set_in_contact_lets_the_reference_retreat_at_its_rate() -> None:
-    session, _, now_ns = pressed()
-    session.change_parameters({'reference.maximum_depth': 0.001})
-    session.change_parameters(set_location(session)[2])
-    session.change_parameters({'environment.location': -0.02})
-    held = [ContactSample(now_ns + k * PERIOD_NS, 0.005, 0.0, -20.0) for k in range(100)]
-    x_r = positions(fed(session, held))
-    assert max(np.abs(np.diff(x_r))) <= SPEED * T * (1.0 + 1e-9)
-    assert x_r[-1] == pytest.approx(-0.019)

@@ -94,20 +94,6 @@ def test_replay_is_that_of_the_topic_in_time(
     assert len(in_time[kind][0]) > 1700 and not in_time[kind][1].get('joint_missing')
 
 
-@pytest.mark.parametrize('lag', (60, 150, 600))
-def test_wrenches_of_a_topic_that_stays_behind_are_rejected(tmp_path: Path, lag: int) -> None:
-    behind = sorted(IN_TIME, key=lambda m: m[0] + lag * (m[1] == '/joint_states'))
-    estimates, rejected = replayed(tmp_path / 'a.mcap', behind[:-lag])  # all until the stop
-    assert not estimates
-    assert rejected['joint_missing'] > 1700 - lag
-
-
-def test_a_topic_set_back_alone_is_replayed_as_recorded(tmp_path: Path) -> None:
-    alone = [m for m in BACK if m[1] == '/wrench' or m[0] < len(SAMPLES)]
-    estimates, _ = replayed(tmp_path / 'a.mcap', alone)
-    assert len(estimates) == len(SAMPLES)
-
-
 @pytest.mark.parametrize('messages', (FALSE, BACK), ids=('false stamps', 'set back'))
 def test_replay_is_that_of_a_live_session(tmp_path: Path, messages: list[Sent]) -> None:
     session = ContactSession(EstimationParameters(), generate_reference=False)

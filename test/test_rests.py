@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import diagnosed, nominal, prepared_from
+from concealed_worlds import diagnosed, nominal
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.diagnosis.observe.usable_samples import held_at_rest
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -46,18 +45,3 @@ def test_friction_is_named_though_it_holds_other_forces_at_rest() -> None:
     assert found.effects[0].parameters['F_c'].value == pytest.approx(F_C, rel=0.15)
     assert 'Where the drive stands still was left out' in as_text(found)
     assert as_dict(found)['fit']['rests_left_out'] is True
-
-
-@pytest.mark.parametrize('pushed, stiffness, held', [
-    (1.0, 0.0, True), (0.0, 0.0, False), (1.0, 50.0, False)])
-def test_only_forces_that_differ_are_held_and_only_without_a_spring(
-    pushed: float, stiffness: float, held: bool
-) -> None:
-    signals, model = drive(pushed, stiffness)
-    recording, of_nominal = prepared_from(signals, model)
-    found = held_at_rest(of_nominal, recording.observed)
-    assert (found is not None) is held
-    if found is not None:
-        begins = np.flatnonzero(np.diff(found.astype(int), prepend=0) > 0)
-        assert recording.observed.t[begins] == pytest.approx(
-            [begin for begin, _, _ in RESTS], abs=0.2)

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from concealed_worlds import diagnosed, named, nominal, prepared_from
-from contact_estimation.diagnosis.fit.fitting import fit
-from contact_estimation.diagnosis.fit.model_uncertainty import without_ripple
+from concealed_worlds import diagnosed, named, nominal
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
@@ -30,13 +28,6 @@ def recorded(ripple: float) -> Signals:
     push = MASS * a + DRAG * v + DRY * np.tanh(v / 4e-4)
     force = -push + 0.3 * rng.normal(size=len(t))
     return Signals(t, force, t, x + ripple * (2.0 * x % 1.0 - 0.5), np.empty(0), np.empty((4, 0)))
-
-
-@pytest.mark.parametrize('ripple, averaged', [(0.0, False), (0.02, True)])
-def test_only_ripple_is_averaged(ripple: float, averaged: bool) -> None:
-    recording, start = prepared_from(recorded(ripple), LINEAR)
-    block = without_ripple(recording, fit([recording], start).model).block
-    assert block == (RATE // 10 if averaged else recording.block)
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ from contact_estimation.exceptions import MissingPackageError, ModelFileError, U
 from contact_estimation.kinematics.robot_model import RobotModel
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from small_arm import JOINTS, pose, urdf
 
 Q = (0.3, -0.4, 2.7)
@@ -46,22 +45,10 @@ def test_jacobian_is_the_derivative_of_the_pose(model: RobotModel) -> None:
     np.testing.assert_allclose(model.jacobian(Q), np.array(columns).T, atol=1e-9)
 
 
-def test_velocity_is_the_jacobian_times_the_joint_rates(model: RobotModel) -> None:
-    R, p, p_dot, omega = model.velocity(Q, Q_DOT)
-    np.testing.assert_allclose(np.r_[p_dot, omega], model.jacobian(Q) @ Q_DOT, atol=1e-12)
-    np.testing.assert_allclose(np.c_[R, p], pose(Q)[:3], atol=1e-12)
-
-
 def test_only_the_joints_between_base_and_tip_are_asked_for(model: RobotModel) -> None:
     assert model.joint_names == JOINTS
     assert model.continuous == (False, True, False)
     assert RobotModel(urdf(), 'link_1', 'tool').joint_names == JOINTS[1:]
-
-
-def test_a_base_that_joints_carry_is_allowed(model: RobotModel) -> None:
-    R, _ = RobotModel(urdf(), 'link_1', 'sensor').pose(Q[1:])
-    assert np.allclose(R, pose((0.0, *Q[1:]), 'sensor', 'link_1')[:3, :3], atol=1e-12)
-    assert Rotation.from_matrix(R).magnitude() > 0.1
 
 
 @pytest.mark.parametrize('base, tip, text', [
@@ -73,11 +60,6 @@ def test_frames_that_cannot_serve_are_named(base: str, tip: str, text: str) -> N
     pytest.importorskip('pinocchio')
     with pytest.raises((ModelFileError, UnknownNameError), match=text):
         RobotModel(urdf(), base, tip)
-
-
-def test_a_frame_that_unknown_joints_move_is_an_error(model: RobotModel) -> None:
-    with pytest.raises(ModelFileError, match="'finger' is moved by finger_joint"):
-        model.pose(Q, 'finger')
 
 
 def test_a_text_that_is_no_description_is_an_error() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest
-from ros_messages import JOINT, moved, session_results
+from ros_messages import JOINT, moved
 from ros_peer import estimator_and_peer, PERIOD_NS
 
 pytestmark = pytest.mark.slow
@@ -50,12 +50,3 @@ def test_tare_removes_a_bias(tmp_path: Path) -> None:
         peer.feed([s._replace(force=s.force - 5.0) for s in moved(LONG, later)])
         stiffness = list(peer.values('stiffness').values())
         assert stiffness[-1] == pytest.approx(K_E, rel=0.01)
-
-
-def test_without_dedicated_wait_set_the_same_values_are_published(tmp_path: Path) -> None:
-    for peer in estimator_and_peer(tmp_path, dedicated_wait_set=False):
-        samples = moved(TOUCH, peer.start_afresh())
-        peer.feed(samples)
-        results = session_results(samples)
-        assert list(peer.values('stiffness').values()) == [r.estimate.stiffness for r in results]
-        assert list(peer.values('damping').values()) == [r.estimate.damping for r in results]

@@ -116,16 +116,6 @@ def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
     assert [list(n) for n in numbers] == [[0.125], [0.5], [-2.0], [0.0]]
 
 
-def test_desired_trajectory_that_nobody_renews_is_a_place_to_rest_at(peer: Peer) -> None:
-    peer.change(reference__maximum_velocity=1e3, reference__fade_s=1e-3)
-    samples = moved(FREE, peer.begin_ns)
-    peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
-    feed_in_time(peer, samples)
-    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
-    numbers = [point.positions, point.velocities, point.accelerations]
-    assert [list(n) for n in numbers] == [[0.125], [0.0], [0.0]]
-
-
 @pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])
 def test_force_law_holds_in_contact_with_effort(
     peer: Peer, law: str, K_t: float | None
@@ -140,15 +130,6 @@ def test_force_law_holds_in_contact_with_effort(
     # x_r begins at the surface found, which is known to some micrometres.
     assert point.positions[0] == pytest.approx(30.0 * compliance, abs=5e-6)
     assert list(point.effort) == [30.0]
-
-
-def test_pass_through_follows_the_desired_trajectory_in_contact(peer: Peer) -> None:
-    peer.change(reference_law='pass_through')
-    samples = moved(TOUCH, peer.begin_ns)
-    peer.wish(peer.begin_ns, 0.02, 30.0)
-    peer.feed(samples)
-    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
-    assert (point.positions[0], point.effort[0]) == (0.02, 0.0)
 
 
 def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
@@ -181,11 +162,3 @@ def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:
     answer = peer.trigger('tare')
     assert not answer.success
     assert answer.message.startswith('in contact')
-
-
-def test_tare_without_samples_is_refused(peer: Peer) -> None:
-    samples = moved(FREE, peer.begin_ns)
-    peer.feed(samples[:5])
-    answer = peer.trigger('tare')
-    assert not answer.success
-    assert 'less than 0.5 s' in answer.message

@@ -6,12 +6,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-import signal
 import subprocess
 import sys
 
 import pytest
-from ros_processes import environment, ModuleProcess, wait_until
+from ros_processes import environment
 
 pytestmark = pytest.mark.slow
 
@@ -35,17 +34,6 @@ def test_interrupt_while_a_node_imports_ends_it_without_a_word(
         [sys.executable, '-c', INTERRUPTED, module], env=environment(tmp_path),
         capture_output=True, text=True, timeout=120.0)
     assert (run.returncode, run.stdout, run.stderr) == (0, '', '')
-
-
-def test_interrupt_after_the_first_line_of_the_log_ends_a_node(tmp_path: Path) -> None:
-    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node') as process:
-        log = tmp_path / 'stderr.txt'
-        wait_until(lambda: '[INFO]' in log.read_text(), 'the first line of the log')
-        process.signal(signal.SIGINT)
-        finished = process.end()
-    assert finished.code == 0
-    assert 'Traceback' not in finished.stderr
-    assert 'estimator multiple_model' in finished.stderr
 
 
 def test_interrupt_while_a_command_imports_is_one_line(tmp_path: Path) -> None:

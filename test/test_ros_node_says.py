@@ -16,7 +16,6 @@ from ros_listener import Listener
 from ros_messages import DiagnosticArray, DiagnosticStatus, joint_state, moved, String, wrench
 from ros_peer import Peer
 from ros_processes import ModuleProcess, node_process, wait_until
-from small_arm import urdf
 
 pytestmark = pytest.mark.slow
 
@@ -76,44 +75,6 @@ def test_node_of_another_name_and_namespace_reads_the_shipped_file(tmp_path: Pat
     assert status.name == '/left/stiffness: contact estimation'
     assert status.hardware_id == 'ft300'
     assert status.level == DiagnosticStatus.ERROR  # nothing comes
-
-
-def test_without_a_frame_the_hardware_is_the_topic_of_the_wrench(tmp_path: Path) -> None:
-    listener = Listener()
-    listener.listen('diagnostics', DiagnosticArray, '/diagnostics')
-    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node', *NAMES):
-        heard = listener.heard['diagnostics']
-        listener.spin_until(lambda: heard, 'a report')
-    listener.close()
-    assert list(heard.values())[-1].status[0].hardware_id == '/left/wrench'
-
-
-def test_a_joint_that_turns_is_no_axis_in_metres_says_the_description(
-    tmp_path: Path, peer: Peer
-) -> None:
-    with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, joint='elbow'):
-        publisher = peer.node.create_publisher(String, 'robot_description', LATCHED)
-        publisher.publish(String(data=urdf()))
-        stamps = iter(range(10**15, 2 * 10**15, 2_000_000))
-
-        def told() -> bool:
-            peer.wrenches.publish(wrench(next(stamps), 0.0))
-            return any(status.level == DiagnosticStatus.WARN
-                       and status.message.startswith("joint 'elbow' turns")
-                       for message in peer.heard['diagnostics'].values()
-                       for status in message.status)
-
-        peer.spin_until(told, 'a headline with the joint')
-
-
-def test_quality_of_service_can_be_overridden(tmp_path: Path, peer: Peer) -> None:
-    name = 'qos_overrides./wrench.subscription.reliability'
-    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node', '--ros-args', '-p',
-                       f'{name}:=reliable'):
-        peer.spin_until(
-            lambda: [info.qos_profile.reliability.name
-                     for info in peer.node.get_subscriptions_info_by_topic('/wrench')]
-            == ['RELIABLE'], 'a reliable subscription')
 
 
 MISFITS: list[tuple[str, dict[str, Any], Any, Any]] = [

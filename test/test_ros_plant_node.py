@@ -111,16 +111,6 @@ def test_samples_are_stamped_exactly_with_the_period(run: NoisyRun) -> None:
     assert list(run.heard['wishes']) == [stamp + PERIOD_NS for stamp in stamps]
 
 
-def test_summary_counts_what_was_sent_and_never_answered(run: NoisyRun) -> None:
-    assert (run.summary['samples_sent'], run.summary['samples_lost']) == (100, 100)
-    assert run.summary['last_contact_stamp_ns'] is None
-
-
-def test_joint_is_named_and_wrench_framed_as_configured(run: NoisyRun) -> None:
-    assert {(*m.name, *m.position) for m in run.heard['joints'].values()} == {('slider', START)}
-    assert {m.header.frame_id for m in run.heard['wrench'].values()} == {'probe'}
-
-
 @pytest.mark.parametrize('seed, same', [(7, True), (8, False)])
 def test_noise_is_that_of_the_seed(
     run: NoisyRun, tmp_path: Path, seed: int, same: bool
@@ -140,15 +130,6 @@ def test_reference_is_followed_from_its_stamp_on_and_not_before(
     positions = user.positions()
     assert {x for stamp, x in positions.items() if stamp <= later} == {START}
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
-
-
-def test_robot_stops_when_its_references_end(tmp_path: Path, user: RobotUser, still: str) -> None:
-    with node_process(tmp_path, 'plant_node', experiment=still, repeat=True):
-        later = user.soon()
-        user.follow.publish(trajectory(later, -0.09, 0.0, velocity=0.1))
-        user.hear_until(later + 700 * PERIOD_NS)
-    # 0.1 m/s for the 0.1 s after which a reference is stale, and a sample to notice.
-    assert list(user.positions().values())[-1] == pytest.approx(-0.08, abs=1e-3)
 
 
 def test_plant_in_lockstep_is_as_slow_as_the_answers(
@@ -197,16 +178,6 @@ def test_plant_waits_for_the_subscribers_it_is_told_of(
         user.spin_until(lambda: len(user.heard['wrench']) == 50, 'all samples')
     assert list(late.heard['wrench']) == list(user.heard['wrench'])
     late.close()
-
-
-def test_plant_starts_alone_when_its_patience_is_over(tmp_path: Path, still: str) -> None:
-    file = tmp_path / 'summary.json'
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=9, patience_s=0.0,
-        summary_file=file,
-    ) as process:
-        assert process.end().code == 0
-    assert json.loads(file.read_text())['samples_sent'] == 50
 
 
 def test_interrupt_ends_the_plant_and_keeps_its_summary(

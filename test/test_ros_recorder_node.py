@@ -103,33 +103,6 @@ def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
     other.close()
 
 
-def test_recorder_records_before_a_simulated_clock_begins(tmp_path: Path) -> None:
-    folder, sensor = tmp_path / 'recording', Sensor()
-    with node_process(
-        tmp_path / 'recorder', 'recorder_node', use_sim_time=True, output=folder
-    ) as process:
-        sensor.measure_until_recorded(folder)
-        process.signal(signal.SIGINT)
-        assert process.end().code == 0
-    sensor.close()
-
-
-def test_interrupted_recorder_leaves_a_whole_rosbag2_folder(tmp_path: Path) -> None:
-    rosbags = pytest.importorskip('rosbags.highlevel')
-    folder, sensor = tmp_path / 'recording', Sensor()
-    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
-        sensor.measure_until_recorded(folder)
-        process.signal(signal.SIGINT)
-        finished = process.end()
-    sensor.close()
-    assert (finished.code, finished.stderr) == (0, '')
-    assert not RecordingReader(folder).truncated
-    with rosbags.AnyReader([folder]) as reader:
-        types = {c.topic: c.msgtype for c in reader.connections}
-        assert types['/wrench'] == 'geometry_msgs/msg/WrenchStamped'
-        assert sum(1 for _ in reader.messages()) >= len(recorded_stamps(folder)) > 0
-
-
 def test_existing_output_folder_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / 'recording'
     folder.mkdir()

@@ -19,7 +19,7 @@ from reference_messages import TF, transforms_bytes, wrench_bytes
 from ros_listener import Listener
 from ros_messages import DiagnosticArray, DiagnosticStatus, String, Vector3Stamped, WrenchStamped
 from ros_peer import ESTIMATES, WINDOW
-from ros_processes import node_process, parameter_arguments, run_module
+from ros_processes import node_process
 from small_arm import MOVING
 
 from contact_estimation.ros.message_classes import has_transforms, message_class  # noqa: I100
@@ -110,12 +110,3 @@ def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path
     again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in listed)}
     published = {stamp: one.vector.x for stamp, one in robot.heard['damping'].items()}
     assert again == published
-
-
-@pytest.mark.skipif(has_transforms(), reason='tf2_msgs is installed')
-def test_poses_of_tf_without_its_messages_say_what_to_install(tmp_path: Path) -> None:
-    done = run_module(tmp_path, f'ros.{NODE}', *parameter_arguments(OF_TF))
-    assert done.code == 1
-    assert done.stderr.strip().splitlines() == [
-        'error: pose_source tf: tf2_msgs is not installed, so that /tf and /tf_static cannot be '
-        'read; install it with: sudo apt install ros-jazzy-tf2-msgs']

@@ -14,7 +14,7 @@ import sys
 import pytest
 from ros_messages import joint_state, wrench
 from ros_peer import Peer
-from ros_processes import node_process, run_module, wait_until
+from ros_processes import node_process, wait_until
 
 pytest.importorskip('rerun')
 pytestmark = pytest.mark.slow
@@ -53,15 +53,3 @@ def test_watch_node_shows_what_is_published(tmp_path: Path) -> None:
         peer.close()
     held = paths_in(file)
     assert '/force/measured' in held and '/motion/measured' in held
-
-
-def test_loop_shows_its_run_and_loses_nothing_of_it(tmp_path: Path) -> None:
-    (tmp_path / 'touch.yaml').write_text(EXPERIMENT)
-    file = tmp_path / 'view.rrd'
-    done = run_module(
-        tmp_path / 'log', 'commands.loop', '--experiment', str(tmp_path / 'touch.yaml'),
-        '--output', str(tmp_path / 'out'), '--lockstep', '--watch', str(file))
-    assert (done.code, done.stderr) == (0, '')
-    held = paths_in(file)
-    for path in ('/stiffness/estimate', '/damping/estimate', '/force/measured', '/log/status'):
-        assert path in held

@@ -62,13 +62,3 @@ def test_messages_on_either_side_prove_no_clock() -> None:
 
 def test_a_clock_that_the_other_topic_has_is_followed_at_once() -> None:
     assert admitted([20_000, 20_002], other_ns=20_001) == ([20_000, 20_002], {})
-
-
-@pytest.mark.parametrize('rate_ns', [2, GAP_NS, JUMP_NS, 5 * JUMP_NS])
-def test_a_clock_may_begin_at_zero_and_a_topic_may_be_slow(rate_ns: int) -> None:
-    clock = [rate_ns * k for k in range(2 * CONFIRMING + 2)]
-    assert admitted(clock, BEFORE_ANY, BEFORE_ANY) == (clock, {})
-
-
-def test_a_first_stamp_of_zero_beside_a_clock_is_rejected() -> None:
-    assert admitted([0, LAST_NS], BEFORE_ANY) == ([LAST_NS], {'wrench_zero_stamp': 1})

@@ -12,8 +12,6 @@ from typing import Any
 
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.one_recording import read as read_of_fleet
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.recordings.free_flight import FIRST, tare_of
 import numpy as np
@@ -43,11 +41,6 @@ def test_first_free_flight_presses_least(
     found = tare_of(T, force(*levels), FIRST)
     assert found.force == pytest.approx(zero, abs=0.02)
     assert found.begin_s == pytest.approx(begin, abs=0.01)
-
-
-def test_span_may_be_given() -> None:
-    assert tare_of(T, T, '2:3').force == pytest.approx(2.5)
-    assert tare_of(T, T, ':1').end_s == 1.0
 
 
 @pytest.mark.parametrize('tare, text', [
@@ -88,13 +81,6 @@ def test_tare_or_declared_bias_silences_the_warning(
     if '--tare' in options:
         assert summary['tare']['x']['force'] == pytest.approx(8.0, abs=0.01)
         assert 'tare: 8 N subtracted from the force' in ended.out
-
-
-def test_fleet_reads_with_parameters_and_tare(untared: Path) -> None:
-    plain, turned = (
-        read_of_fleet(str(untared), Settings.of(ce.PlantParameters(), **options)) for options in (
-            {}, {'parameters': {'force_sign': -1.0}, 'reading': {'tare': '0:0.5'}}))
-    np.testing.assert_allclose(plain.signals.force + turned.signals.force, 8.0, atol=0.01)
 
 
 def test_diagnosis_takes_the_tared_force(untared: Path) -> None:

@@ -5,12 +5,10 @@
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from math import nan
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.target_pose import check_target_pose, step_along
+from contact_estimation.estimation.target_pose import step_along
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.values import build
 from contact_estimation.reference.parameters import PoseLimits
 import pytest
 
@@ -39,14 +37,3 @@ def test_steps_stay_within_lead_and_box(
 def test_an_empty_box_is_refused() -> None:
     with pytest.raises(ParameterRangeError, match=r'lower must be <= .*got \[0.0, 0.0, 2.0'):
         PoseLimits(lower=(0.0, 0.0, 2.0), upper=(1.0, 1.0, 1.0))
-
-
-def test_the_nearest_side_of_the_box_counts_along_an_oblique_normal() -> None:
-    normal = (sqrt(0.5), 0.0, -sqrt(0.5))
-    assert step_along((0.99, 0.0, 0.4), normal, 0.05, BOX) == pytest.approx(0.01 * sqrt(2.0))
-
-
-def test_a_target_along_a_normal_that_turns_with_the_tool_is_refused() -> None:
-    check_target_pose(build(EstimationParameters, ARM))
-    with pytest.raises(ParameterRangeError, match='needs contact.normal_frame base'):
-        check_target_pose(build(EstimationParameters, {**ARM, 'contact.normal_frame': 'tip'}))

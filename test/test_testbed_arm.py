@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.reproduction.symmetric_matrix import solve, times
 from contact_estimation.reproduction.testbed_arm import PlanarArm
 from contact_estimation.reproduction.testbed_constants import ArmConstants, Triple
 import numpy as np
@@ -40,39 +39,10 @@ def kinetic_energy(p: ArmConstants, angles: Triple, rates: Triple) -> float:
     return energy
 
 
-def moved(angles: Triple, index: int, by: float) -> Triple:
-    """Return the angles with one changed."""
-    changed = list(angles)
-    changed[index] += by
-    return changed[0], changed[1], changed[2]
-
-
 def test_mass_matrix_gives_the_kinetic_energy_of_the_bodies() -> None:
     rates = np.array(RATES)
     energy = 0.5 * rates @ full(PlanarArm(ArmConstants()), ANGLES) @ rates
     assert energy == pytest.approx(kinetic_energy(ArmConstants(), ANGLES, RATES), rel=1e-12)
-
-
-def test_jacobian_is_the_derivative_of_the_tip() -> None:
-    arm, h = PlanarArm(ArmConstants()), 1e-6
-    for i in range(3):
-        after = arm.tip(moved(ANGLES, i, h), RATES)
-        before = arm.tip(moved(ANGLES, i, -h), RATES)
-        by_x, by_y = arm.jacobian(ANGLES)
-        assert by_x[i] == pytest.approx((after.x - before.x) / (2.0 * h), abs=1e-9)
-        assert by_y[i] == pytest.approx((after.y - before.y) / (2.0 * h), abs=1e-9)
-
-
-def test_centrifugal_torques_follow_from_the_lagrangian() -> None:
-    arm, h, rates = PlanarArm(ArmConstants()), 1e-6, np.array(RATES)
-    by_angle = [
-        (full(arm, moved(ANGLES, i, h)) - full(arm, moved(ANGLES, i, -h))) / (2.0 * h)
-        for i in range(3)
-    ]
-    # d/dt dT/dw - dT/da less M a''
-    mass_rate = sum(w * slope for w, slope in zip(RATES, by_angle))
-    expected = mass_rate @ rates - 0.5 * np.array([rates @ slope @ rates for slope in by_angle])
-    np.testing.assert_allclose(arm.centrifugal(ANGLES, RATES), expected, atol=1e-7)
 
 
 def test_accelerations_satisfy_the_equations_of_motion() -> None:
@@ -103,11 +73,6 @@ def test_energy_is_conserved_without_friction_and_torque() -> None:
     assert end == pytest.approx(begin, rel=1e-7)
 
 
-def test_joint_friction_dissipates_energy() -> None:
-    friction = PlanarArm(ArmConstants()).joint_friction(RATES)
-    assert friction @ np.diff([0.0, *RATES]) > 0.0
-
-
 def test_inverse_kinematics_invert_the_direct_ones() -> None:
     p = ArmConstants()
     arm = PlanarArm(p)
@@ -115,8 +80,3 @@ def test_inverse_kinematics_invert_the_direct_ones() -> None:
         tip = arm.tip(arm.angles_at(x, p.tip_y, p.tip_angle), RATES)
         assert (tip.x, tip.y, tip.angle) == pytest.approx((x, p.tip_y, p.tip_angle), abs=1e-12)
         assert arm.tip_x(arm.angles_at(x, p.tip_y, p.tip_angle)) == pytest.approx(x)
-
-
-def test_solve_inverts_times() -> None:
-    matrix, vector = PlanarArm(ArmConstants()).mass_matrix(ANGLES), (1.0, -2.0, 3.0)
-    assert solve(matrix, times(matrix, vector)) == pytest.approx(vector)

@@ -7,13 +7,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from contact_estimation.estimators.three_states import (
-    constrain,
-    correct,
-    Covariance,
-    diagonal,
-    grow,
-)
+from contact_estimation.estimators.three_states import constrain, correct, Covariance, grow
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -53,21 +47,6 @@ def test_constraint_gives_the_most_probable_state_on_the_limit() -> None:
     np.testing.assert_allclose(np.cross(gradient, n), 0.0, atol=1e-12)
 
 
-def test_constraint_leaves_a_state_within_the_limits() -> None:
-    assert constrain(X, diagonal(1.0, 1.0, 1.0), (1.0, 0.0, 0.0), 0.0, 2.0) == X
-
-
-def test_constraint_leaves_a_state_that_is_known() -> None:
-    assert constrain(X, diagonal(0.0, 1.0, 1.0), (1.0, 0.0, 0.0), 2.0, 3.0) == X
-
-
-def test_states_forgotten_together_scale_with_their_factors() -> None:
-    P, triangle = random_covariance(4)
-    scale = np.diag([1.1, 1.1, 1.0])
-    got = np.array(grow(triangle, (1.1, 1.1, 1.0)))
-    np.testing.assert_allclose(got, (scale @ P @ scale)[UPPER], rtol=1e-12)
-
-
 @pytest.mark.parametrize('alone', [0, 1])
 def test_state_forgotten_alone_forgets_its_variance_given_the_others(alone: int) -> None:
     P, triangle = random_covariance(5)
@@ -75,7 +54,3 @@ def test_state_forgotten_alone_forgets_its_variance_given_the_others(alone: int)
     expected = P.copy()
     expected[alone, alone] += 0.21 / np.linalg.inv(P)[alone, alone]
     np.testing.assert_allclose(np.array(grow(triangle, growth)), expected[UPPER], rtol=1e-9)
-
-
-def test_constants_do_not_correlate_with_what_is_forgotten_alone() -> None:
-    assert grow(diagonal(2.0, 3.0, 0.0), (2.0, 1.0, 1.0)) == diagonal(4.0, 3.0, 0.0)

@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.kinematics.tool_load import (
-    load_map, specific_force, STANDARD_GRAVITY, tool_wrench, ToolParameters,
-)
+from contact_estimation.kinematics.tool_load import STANDARD_GRAVITY, tool_wrench, ToolParameters
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -55,15 +53,3 @@ def test_torque_at_rest_is_that_of_the_weight_at_the_centre() -> None:
     weight = R.T @ [0.0, 0.0, -TOOL.mass * STANDARD_GRAVITY]
     expected = np.cross(TOOL.centre, weight) + TOOL.torque_bias
     np.testing.assert_allclose(tool_wrench(TOOL, R)[3:], expected, atol=1e-12)
-
-
-def test_tool_below_a_resting_sensor_pulls_down() -> None:
-    wrench = tool_wrench(ToolParameters(mass=2.0), np.eye(3))
-    np.testing.assert_allclose(wrench, [0, 0, -2.0 * STANDARD_GRAVITY, 0, 0, 0])
-
-
-def test_map_sample_by_sample_equals_the_wrench_at_once() -> None:
-    L, bias = load_map(TOOL)
-    f = specific_force(orientation(0.7).as_matrix(), np.array([0.3, -0.2, 0.1]))
-    wrench = tool_wrench(TOOL, orientation(0.7).as_matrix(), np.array([0.3, -0.2, 0.1]))
-    np.testing.assert_allclose(L @ f + bias, wrench, atol=1e-12)
