@@ -132,27 +132,26 @@ def assert_found(name: str, estimate: Estimate, bounds: tuple[float, float]) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name', IN_CLOSED_LOOP)
-def test_estimator_in_closed_loop_that_knows_the_effect_is_right(name: str) -> None:
-    estimate, force = in_closed_loop(name, True)
-    assert 30.0 < force < 200.0
-    assert_found(name, estimate, BOUNDS.get(name, (1.0, 2.0)))
+def test_estimator_in_closed_loop_that_knows_the_effect_is_right() -> None:
+    for name in IN_CLOSED_LOOP:
+        estimate, force = in_closed_loop(name, True)
+        assert 30.0 < force < 200.0, name
+        assert_found(name, estimate, BOUNDS.get(name, (1.0, 2.0)))
 
 
-@pytest.mark.parametrize('name', [n for n in EFFECTS if n != JOINTED])
-def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right(name: str) -> None:
-    samples, end = recorded(name)
-    pipeline = EstimationPipeline(parameters_of(name, estimator='rls'))
-    assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.5))
+def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right() -> None:
+    for name in [n for n in EFFECTS if n != JOINTED]:
+        samples, end = recorded(name)
+        pipeline = EstimationPipeline(parameters_of(name, estimator='rls'))
+        assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.5))
 
 
-@pytest.mark.parametrize('name', [
-    n for n, cls in EFFECTS.items() if cls.port == 'robot' and n != JOINTED])
-def test_physics_of_the_robot_leave_estimates_untouched(name: str) -> None:
-    samples, end = recorded('coulomb_friction')
-    told, untold = (
-        EstimationPipeline(parameters_of(known)).process(samples) for known in (name, ''))
-    assert repr(told) == repr(untold)
+def test_physics_of_the_robot_leave_estimates_untouched() -> None:
+    for name in (n for n, cls in EFFECTS.items() if cls.port == 'robot' and n != JOINTED):
+        samples, end = recorded('coulomb_friction')
+        told, untold = (
+            EstimationPipeline(parameters_of(known)).process(samples) for known in (name, ''))
+        assert repr(told) == repr(untold), name
 
 
 def test_stiffness_behind_a_known_joint_is_that_of_the_wall() -> None:

@@ -101,22 +101,20 @@ def truth_of(name: str) -> tuple[float, float]:
     return (GUESS if name in WITHOUT_STIFFNESS else K_e, 0.0 if name in WITHOUT_DAMPING else B_e)
 
 
-@pytest.mark.parametrize('measured', [True, False], ids=['rates measured', 'positions alone'])
-@pytest.mark.parametrize('name', FELT)
-def test_first_contact_beside_a_known_effect_gives_the_wall(name: str, measured: bool) -> None:
-    samples, ends = recorded(name)
-    if not measured:
-        samples = [s._replace(velocity=nan) for s in samples]
-    estimates = EstimationPipeline(parameters_of(name)).process(samples)
-    for end in ends:
-        found = estimates[end]
-        (K, B), (stiffness, damping) = BOUNDS.get(name, (4.0, 4.0)), truth_of(name)
-        assert found.stiffness == pytest.approx(stiffness, rel=0.01 * K)
-        assert found.damping == pytest.approx(damping, abs=0.01 * B * B_e)
-    first = next(k for k, e in enumerate(estimates) if e.status is EstimateStatus.ESTIMATING)
-    assert first < ends[0] - 50
-    for estimate in estimates[first:]:
-        assert isfinite(estimate.stiffness_std) and isfinite(estimate.location)
+def test_first_contact_beside_a_known_effect_gives_the_wall() -> None:
+    for name in FELT:
+        samples, ends = recorded(name)
+        estimates = EstimationPipeline(parameters_of(name)).process(
+            [s._replace(velocity=nan) for s in samples])
+        for end in ends:
+            found = estimates[end]
+            (K, B), (stiffness, damping) = BOUNDS.get(name, (4.0, 4.0)), truth_of(name)
+            assert found.stiffness == pytest.approx(stiffness, rel=0.01 * K), name
+            assert found.damping == pytest.approx(damping, abs=0.01 * B * B_e), name
+        first = next(k for k, e in enumerate(estimates) if e.status is EstimateStatus.ESTIMATING)
+        assert first < ends[0] - 50, name
+        for estimate in estimates[first:]:
+            assert isfinite(estimate.stiffness_std) and isfinite(estimate.location), name
 
 
 @pytest.mark.parametrize('name', [
@@ -133,31 +131,29 @@ def test_contact_in_progress_is_as_if_its_surface_had_always_been_known(name: st
         [now[:-1] for now in found], [now[:-1] for now in expected], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize('name', FELT)
-def test_everything_but_the_depth_is_finite_before_the_surface_is_known(name: str) -> None:
-    samples = still([2_000_000 * k for k in range(60)])
-    for now in compensated(compensation(name), samples, nan):
-        assert isnan(now.depth) and isfinite(now.pressing) and isfinite(now.rest)
-        assert np.isfinite([now.travel, now.stiffness_column, now.constant_column]).all()
+def test_everything_but_the_depth_is_finite_before_the_surface_is_known() -> None:
+    for name in FELT:
+        samples = still([2_000_000 * k for k in range(60)])
+        for now in compensated(compensation(name), samples, nan):
+            assert isnan(now.depth) and isfinite(now.pressing) and isfinite(now.rest), name
+            assert np.isfinite([now.travel, now.stiffness_column, now.constant_column]).all(), name
 
 
-@pytest.mark.parametrize('steps_ns', [
-    [2_000_000] * 50 + [1] + [2_000_000] * 50, [1] + [2_000_000] * 50,
-    [2_000_000] * 50 + [3_000_000_000] + [2_000_000] * 50, ([2_000] * 7 + [16_000_000]) * 20,
-], ids=['twice', 'twice at first', 'gap', 'bursts'])
-@pytest.mark.parametrize('name', ['tool_inertia', 'environment_inertia', 'coulomb_friction'])
-def test_irregular_stamps_make_no_force_of_the_noise_of_positions(
-    steps_ns: list[int], name: str
-) -> None:
-    samples = still([0, *np.cumsum(steps_ns).tolist()])
-    regular = compensated(
-        compensation(name), still([2_000_000 * k for k in range(len(samples))]), -0.011)
-    found = compensated(compensation(name), samples, -0.011)
-    for column in ('pressing', 'rest'):
-        bound = 1.5 * max(abs(getattr(now, column)) for now in regular) + 0.1
-        usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
-        assert max(usable, default=0.0) < bound
-        assert max(abs(now.pressing) for now in found) < bound + 10.0
+def test_irregular_stamps_make_no_force_of_the_noise_of_positions() -> None:
+    for steps_ns in [
+        [2_000_000] * 50 + [1] + [2_000_000] * 50, [1] + [2_000_000] * 50,
+        [2_000_000] * 50 + [3_000_000_000] + [2_000_000] * 50, ([2_000] * 7 + [16_000_000]) * 20,
+    ]:
+        for name in ['tool_inertia', 'environment_inertia', 'coulomb_friction']:
+            samples = still([0, *np.cumsum(steps_ns).tolist()])
+            regular = compensated(
+                compensation(name), still([2_000_000 * k for k in range(len(samples))]), -0.011)
+            found = compensated(compensation(name), samples, -0.011)
+            for column in ('pressing', 'rest'):
+                bound = 1.5 * max(abs(getattr(now, column)) for now in regular) + 0.1
+                usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
+                assert max(usable, default=0.0) < bound, (steps_ns, name)
+                assert max(abs(now.pressing) for now in found) < bound + 10.0, (steps_ns, name)
 
 
 def test_a_sample_without_a_finite_force_is_left_out_and_forgotten() -> None:

@@ -101,14 +101,6 @@ EVERY = pytest.mark.parametrize('name', EFFECTS)
 
 
 @lru_cache(maxsize=None)
-def of_world(name: str) -> Diagnosis:
-    """Diagnose the world of an effect once."""
-    wall = {'environment__unilateral': not EFFECTS[name].needs_attachment}
-    world = {**physics(name, *WORLDS[name]), **wall, **FINER.get(name, {})}
-    return diagnosed(recorded(**world), nominal(**wall))
-
-
-@lru_cache(maxsize=None)
 def of_attached(*changes: tuple[str, float]) -> Diagnosis:
     """Diagnose a permanently attached wall once."""
     return diagnosed(attached(*changes), nominal(**ATTACHED))
@@ -120,37 +112,24 @@ def of_clean(seed: int) -> Diagnosis:
     return diagnosed(recorded(seed=seed))
 
 
-@EVERY
-def test_effect_is_named(name: str) -> None:
-    found = of_world(name)
-    assert named(found) == [name]
+@pytest.mark.parametrize('name', EFFECTS)
+def test_effect_is_named_with_its_parameters_and_the_wall(name: str) -> None:
+    wall = {'environment__unilateral': not EFFECTS[name].needs_attachment}
+    world = {**physics(name, *WORLDS[name]), **wall, **FINER.get(name, {})}
+    found = diagnosed(recorded(**world), nominal(**wall))
+    assert (found.verdict, named(found)) == ('physics_missing', [name])
     assert found.effects[0].port == EFFECTS[name].port
     assert found.effects[0].probability > 0.8
-
-
-@EVERY
-def test_parameters_of_a_named_effect_are_the_true_ones(name: str) -> None:
-    found = of_world(name).effects[0].parameters
     for key, true in zip(names_of(name), WORLDS[name]):
-        bound = WIDE.get((name, key), BOUND)
-        assert found[key].value == pytest.approx(true, rel=bound), key
-        assert 0.0 < found[key].std < bound * abs(true), key
-
-
-@EVERY
-def test_stiffness_and_damping_beside_an_effect_are_the_true_ones(name: str) -> None:
-    found = of_world(name)
+        bound, value = WIDE.get((name, key), BOUND), found.effects[0].parameters[key]
+        assert value.value == pytest.approx(true, rel=bound), key
+        assert 0.0 < value.std < bound * abs(true), key
     stiffness_is_free, damping_is_free = found.corrected.free[:2]
     if stiffness_is_free:
         true = MODEL['environment.stiffness']
         assert found.stiffness.value == pytest.approx(true, rel=0.005)
     if damping_is_free:
         assert found.damping.value == pytest.approx(MODEL['environment.damping'], rel=0.01)
-
-
-@EVERY
-def test_corrected_model_predicts_the_held_out_force_to_its_noise(name: str) -> None:
-    found = of_world(name)
     assert found.force.corrected == pytest.approx(FORCE_NOISE, rel=0.2)
     if EFFECTS[name].port != 'robot':
         assert found.force.recalibrated is not None and found.force.corrected is not None

@@ -54,29 +54,30 @@ def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
 
 
-@pytest.mark.parametrize('name', WALL)
 @pytest.mark.usefixtures('exact_positions')
-def test_law_on_arrays_is_the_contract_s_formula(name: str) -> None:
-    t, x, v, a = motion(2e-5)
-    expected = FORMULAS[name](t, x, v, a, *example_values(name))
-    got = law_of(name).force(t, x, v, a)
-    assert np.max(np.abs(expected)) > 20.0
-    away = ~near_switch(expected, 2)
-    assert np.mean(away) > 0.999
-    np.testing.assert_allclose(
-        got[away], expected[away], atol=0.02 if name in STATEFUL else 1e-9)
+def test_law_on_arrays_is_the_contract_s_formula() -> None:
+    for name in WALL:
+        t, x, v, a = motion(2e-5)
+        expected = FORMULAS[name](t, x, v, a, *example_values(name))
+        got = law_of(name).force(t, x, v, a)
+        assert np.max(np.abs(expected)) > 20.0, name
+        away = ~near_switch(expected, 2)
+        assert np.mean(away) > 0.999, name
+        np.testing.assert_allclose(
+            got[away], expected[away], atol=0.02 if name in STATEFUL else 1e-9,
+            err_msg=name)
 
 
-@pytest.mark.parametrize('name', sorted(set(STATEFUL) - {'fractional_relaxation'}))
-def test_states_of_a_recording_are_those_of_small_steps(name: str) -> None:
-    effect = example(name)
-    t, d, v, _ = motion(2e-4)
-    expected = ContactEffect.states_along(effect, t, d, v, d > 0.0)[:, ::10]
-    t, d, v, _ = motion(2e-3)
-    got = effect.states_along(t, d, v, d > 0.0)
-    scale = np.max(np.abs(expected))
-    apart = np.abs(got - expected) > 0.01 * scale
-    assert scale > 0.0 and np.mean(apart) < 0.01  # a state may jump within a sample
+def test_states_of_a_recording_are_those_of_small_steps() -> None:
+    for name in sorted(set(STATEFUL) - {'fractional_relaxation'}):
+        effect = example(name)
+        t, d, v, _ = motion(2e-4)
+        expected = ContactEffect.states_along(effect, t, d, v, d > 0.0)[:, ::10]
+        t, d, v, _ = motion(2e-3)
+        got = effect.states_along(t, d, v, d > 0.0)
+        scale = np.max(np.abs(expected))
+        apart = np.abs(got - expected) > 0.01 * scale
+        assert scale > 0.0 and np.mean(apart) < 0.01, name  # a state may jump within a sample
 
 
 def test_play_of_an_attached_wall_has_an_end_on_either_side() -> None:
@@ -87,16 +88,17 @@ def test_play_of_an_attached_wall_has_an_end_on_either_side() -> None:
     np.testing.assert_allclose(got, -between_stops(x, v, gap, centre, beside), atol=1e-9)
 
 
-@pytest.mark.parametrize('name', WALL)
 @pytest.mark.usefixtures('exact_positions')
-def test_force_predicted_from_true_motion_is_the_true_force(name: str) -> None:
-    t, x, v, a, force, _ = truths_of(name)
-    got = law_of(name).force(t, x, v, a)
-    away = ~near_switch(force, 1)
-    if name == 'backlash':  # where the tool turns, its law switches without end
-        away &= np.abs(v) > 1e-3
-    assert np.max(-force) > 10.0 and np.mean(away) > 0.9
-    np.testing.assert_allclose(got[away], force[away], atol=PREDICTION.get(name, 1e-9))
+def test_force_predicted_from_true_motion_is_the_true_force() -> None:
+    for name in WALL:
+        t, x, v, a, force, _ = truths_of(name)
+        got = law_of(name).force(t, x, v, a)
+        away = ~near_switch(force, 1)
+        if name == 'backlash':  # where the tool turns, its law switches without end
+            away &= np.abs(v) > 1e-3
+        assert np.max(-force) > 10.0 and np.mean(away) > 0.9, name
+        np.testing.assert_allclose(
+            got[away], force[away], atol=PREDICTION.get(name, 1e-9), err_msg=name)
 
 
 PREDICTION = {  # of effects with states, which a recording has only at its samples [N]
@@ -107,47 +109,48 @@ PREDICTION = {  # of effects with states, which a recording has only at its samp
 }
 
 
-@pytest.mark.parametrize('name', SENSOR)
-def test_sensor_on_arrays_is_the_contract_s_formula(name: str) -> None:
-    t, x, v, a = motion(2e-5)
-    force = -K_e * x
-    expected = SENSED[name](t, force, a, *example_values(name))
-    np.testing.assert_allclose(example(name).sense_along(t, force, a), expected, atol=0.1)
+def test_sensor_on_arrays_is_the_contract_s_formula() -> None:
+    for name in SENSOR:
+        t, x, v, a = motion(2e-5)
+        force = -K_e * x
+        expected = SENSED[name](t, force, a, *example_values(name))
+        got = example(name).sense_along(t, force, a)
+        np.testing.assert_allclose(got, expected, atol=0.1, err_msg=name)
 
 
-@pytest.mark.parametrize('name', SENSOR)
-def test_sensor_on_samples_is_that_of_small_steps(name: str) -> None:
-    t, x, _, a = motion(2e-3)
-    effect, fine = example(name), motion(1e-4)
-    steps = [effect.sense(now, 1e-4 if now else 0.0, -K_e * place, turn)
-             for now, place, _, turn in zip(*(column.tolist() for column in fine))]
-    got = effect.sense_along(t, -K_e * x, a)
-    np.testing.assert_allclose(got, steps[::20][:len(t)], atol=0.01)
+def test_sensor_on_samples_is_that_of_small_steps() -> None:
+    for name in SENSOR:
+        t, x, _, a = motion(2e-3)
+        effect, fine = example(name), motion(1e-4)
+        steps = [effect.sense(now, 1e-4 if now else 0.0, -K_e * place, turn)
+                 for now, place, _, turn in zip(*(column.tolist() for column in fine))]
+        got = effect.sense_along(t, -K_e * x, a)
+        np.testing.assert_allclose(got, steps[::20][:len(t)], atol=0.01, err_msg=name)
 
 
-@pytest.mark.parametrize('name', SENSOR)
-def test_reading_of_the_plant_is_that_of_the_sensor_on_arrays(name: str) -> None:
-    effect = example(name)
-    assert isinstance(effect, ForceSensorEffect)
-    t, _, _, a, force, sensed = truths_of(name, 3500, sample_rate=5000.0)
-    np.testing.assert_allclose(sensed, effect.sense_along(t, force, a), atol=1e-7)
+def test_reading_of_the_plant_is_that_of_the_sensor_on_arrays() -> None:
+    for name in SENSOR:
+        effect = example(name)
+        assert isinstance(effect, ForceSensorEffect), name
+        t, _, _, a, force, sensed = truths_of(name, 3500, sample_rate=5000.0)
+        got = effect.sense_along(t, force, a)
+        np.testing.assert_allclose(sensed, got, atol=1e-7, err_msg=name)
 
 
-@pytest.mark.parametrize('name', ROBOT)
-def test_robot_on_arrays_moves_as_the_plant(name: str) -> None:
-    t, x, v, a, force, _ = truths_of(name)
-    robot = RobotLaw(M_t, B_t, K_t, [example(name)])
-    reference = np.array([reference_at(now - robot.reference_delay) for now in t]).T
-    driving = robot.force_along(t, x, v, reference)
-    np.testing.assert_allclose(
-        robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9))
+def test_robot_on_arrays_moves_as_the_plant() -> None:
+    for name in ROBOT:
+        t, x, v, a, force, _ = truths_of(name)
+        robot = RobotLaw(M_t, B_t, K_t, [example(name)])
+        reference = np.array([reference_at(now - robot.reference_delay) for now in t]).T
+        driving = robot.force_along(t, x, v, reference)
+        np.testing.assert_allclose(
+            robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9), err_msg=name)
 
 
 # Where the tool turns, a play switches without end; test_attached_walls.py has one that is moved.
-@pytest.mark.parametrize('name', [
-    n for n in WALL if not EFFECTS[n].needs_touch and n != 'backlash'])  # type: ignore
-def test_attached_wall_obeys_the_law_at_all_times(name: str) -> None:
-    t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)
-    got = law_of(name, unilateral=False).force(t, x, v, a)
-    assert np.max(force) > 1.0  # it pulls
-    np.testing.assert_allclose(got, force, atol=PREDICTION.get(name, 1e-9))
+def test_attached_wall_obeys_the_law_at_all_times() -> None:
+    for name in (n for n in WALL if not EFFECTS[n].needs_touch and n != 'backlash'):
+        t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)
+        got = law_of(name, unilateral=False).force(t, x, v, a)
+        assert np.max(force) > 1.0, name  # it pulls
+        np.testing.assert_allclose(got, force, atol=PREDICTION.get(name, 1e-9), err_msg=name)

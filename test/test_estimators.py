@@ -87,9 +87,9 @@ def test_limits_hold_whatever_the_data(name: str) -> None:
     assert max(e.damping for e in estimates) <= 100.0
 
 
-@EACH
-@pytest.mark.parametrize('rate', [125.0, 1000.0])
-def test_other_sample_rates_give_the_stiffness_too(name: str, rate: float) -> None:
-    pipeline = pipeline_with(estimator=name, sample_rate=rate)
-    last = estimates_of(contact_samples(2.0, rate=rate), pipeline)[-1]
-    assert last.stiffness == pytest.approx(4800.0, rel=0.03)
+def test_other_sample_rates_give_the_stiffness_too() -> None:
+    for name in ESTIMATORS:
+        for rate in [125.0, 1000.0]:
+            pipeline = pipeline_with(estimator=name, sample_rate=rate)
+            last = estimates_of(contact_samples(2.0, rate=rate), pipeline)[-1]
+            assert last.stiffness == pytest.approx(4800.0, rel=0.03), (name, rate)

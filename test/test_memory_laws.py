@@ -41,16 +41,16 @@ def times(count: int, h: float) -> Array:
     return h * np.arange(count, dtype=np.float64)
 
 
-@ORDERS
-@pytest.mark.parametrize('rate', [1e4, 100.0, 1.0])
-def test_ramp_is_answered_by_a_power_of_time(alpha: float, rate: float) -> None:
-    t = times(40000, 1.0 / rate)
-    got = along(springpot(alpha), t, t, np.ones(len(t)))
-    expected = t ** (1.0 - alpha) / gamma(2.0 - alpha)
-    use = t > 1e-3
-    np.testing.assert_allclose(got[use], expected[use], rtol=5e-3)
-    within = use & (t < 1e4)
-    np.testing.assert_allclose(got[within], expected[within], rtol=1e-3)
+def test_ramp_is_answered_by_a_power_of_time() -> None:
+    for alpha in [0.05, 0.3, 0.5, 0.8, 0.95]:
+        for rate in [1e4, 100.0, 1.0]:
+            t = times(40000, 1.0 / rate)
+            got = along(springpot(alpha), t, t, np.ones(len(t)))
+            expected = t ** (1.0 - alpha) / gamma(2.0 - alpha)
+            use = t > 1e-3
+            np.testing.assert_allclose(got[use], expected[use], rtol=5e-3)
+            within = use & (t < 1e4)
+            np.testing.assert_allclose(got[within], expected[within], rtol=1e-3)
 
 
 @ORDERS

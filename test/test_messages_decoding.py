@@ -60,60 +60,57 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other or (math.isnan(one) and math.isnan(other)))
 
 
-@pytest.mark.parametrize('frame_id', [*('abcdefghi'[:n] for n in range(10)), 'tööl', 'c' * 300])
-def test_wrench_is_read_for_every_length_of_the_frame(foreign: Foreign, frame_id: str) -> None:
-    rng = np.random.default_rng(1)
-    decoder = WrenchDecoder()
-    for _ in range(5):
-        force, torque = rng.normal(size=3).tolist(), rng.normal(size=3).tolist()
-        stamp_ns = int(rng.integers(2**31)) * 10**9 + int(rng.integers(10**9))
-        raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id=frame_id)
-        reading = decoder.decode(foreign(raw, WRENCH))
-        assert reading == (stamp_ns, frame_id, *force)
-        assert (type(reading.stamp_ns), type(reading.force_x)) == (int, float)
+def test_wrench_is_read_for_every_length_of_the_frame(foreign: Foreign) -> None:
+    for frame_id in [*('abcdefghi'[:n] for n in range(10)), 'tööl', 'c' * 300]:
+        rng = np.random.default_rng(1)
+        decoder = WrenchDecoder()
+        for _ in range(5):
+            force, torque = rng.normal(size=3).tolist(), rng.normal(size=3).tolist()
+            stamp_ns = int(rng.integers(2**31)) * 10**9 + int(rng.integers(10**9))
+            raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id=frame_id)
+            reading = decoder.decode(foreign(raw, WRENCH))
+            assert reading == (stamp_ns, frame_id, *force), frame_id
+            assert (type(reading.stamp_ns), type(reading.force_x)) == (int, float), frame_id
 
 
-@pytest.mark.parametrize('frame_length', range(10))
-def test_joint_states_of_every_structure_agree_with_rosbags(
-    foreign: Foreign, frame_length: int
-) -> None:
-    rng = np.random.default_rng(frame_length)
-    for count, name_length, with_velocity, with_effort in product(
-        (1, 2, 3), (1, 4, 6), (True, False), (True, False)
-    ):
-        names = [str(k) * name_length for k in range(count)]
-        filled = (True, with_velocity, with_effort)
-        arrays = [rng.normal(size=count * there).tolist() for there in filled]
-        position, velocity, effort = arrays
-        raw = joint_state_bytes(
-            names, position, velocity, effort, stamp_ns=7, frame_id='f' * frame_length)
-        message = deserialized(raw, JOINTS)
-        for place, name in enumerate(names):
-            reading = JointStateDecoder(name).decode(foreign(raw, JOINTS))
-            assert reading[:2] == (7, message.position[place])
-            assert same(reading.velocity, message.velocity[place] if with_velocity else math.nan)
+def test_joint_states_of_every_structure_agree_with_rosbags(foreign: Foreign) -> None:
+    for frame_length in range(10):
+        rng = np.random.default_rng(frame_length)
+        for count, name_length, with_velocity, with_effort in product(
+            (1, 2, 3), (1, 4, 6), (True, False), (True, False)
+        ):
+            names = [str(k) * name_length for k in range(count)]
+            filled = (True, with_velocity, with_effort)
+            arrays = [rng.normal(size=count * there).tolist() for there in filled]
+            position, velocity, effort = arrays
+            raw = joint_state_bytes(
+                names, position, velocity, effort, stamp_ns=7, frame_id='f' * frame_length)
+            message = deserialized(raw, JOINTS)
+            for place, name in enumerate(names):
+                reading = JointStateDecoder(name).decode(foreign(raw, JOINTS))
+                assert reading[:2] == (7, message.position[place]), frame_length
+                expected = message.velocity[place] if with_velocity else math.nan
+                assert same(reading.velocity, expected), frame_length
 
 
-@pytest.mark.parametrize('frame_length', range(10))
-def test_trajectories_of_every_structure_agree_with_rosbags(
-    foreign: Foreign, frame_length: int
-) -> None:
-    rng = np.random.default_rng(frame_length)
-    fields = ('positions', 'velocities', 'accelerations', 'effort')
-    for joints, points, filled in product(
-        (1, 2), (1, 3), product((True, False), repeat=3)
-    ):
-        names = ['j' * (frame_length + k) for k in range(1, joints + 1)]
-        made = [
-            {field: rng.normal(size=joints * present).tolist()
-             for field, present in zip(fields, (True, *filled))}
-            for _ in range(points)
-        ]
-        raw = trajectory_bytes(names, made, stamp_ns=7, frame_id='f' * frame_length)
-        reading = TrajectoryDecoder(names[-1]).decode(foreign(raw, TRAJECTORY))
-        expected = [made[0][f][-1] if made[0][f] else math.nan for f in fields]
-        assert reading.stamp_ns == 7
-        assert all(map(same, reading[1:], expected))
+def test_trajectories_of_every_structure_agree_with_rosbags(foreign: Foreign) -> None:
+    for frame_length in range(10):
+        rng = np.random.default_rng(frame_length)
+        fields = ('positions', 'velocities', 'accelerations', 'effort')
+        for joints, points, filled in product(
+            (1, 2), (1, 3), product((True, False), repeat=3)
+        ):
+            names = ['j' * (frame_length + k) for k in range(1, joints + 1)]
+            made = [
+                {field: rng.normal(size=joints * present).tolist()
+                 for field, present in zip(fields, (True, *filled))}
+                for _ in range(points)
+            ]
+            raw = trajectory_bytes(names, made, stamp_ns=7, frame_id='f' * frame_length)
+            reading = TrajectoryDecoder(names[-1]).decode(foreign(raw, TRAJECTORY))
+            expected = [made[0][f][-1] if made[0][f] else math.nan for f in fields]
+            assert reading.stamp_ns == 7, frame_length
+            assert all(map(same, reading[1:], expected)), frame_length
 
 
 @pytest.mark.parametrize('frame_id', ['', 'base'])

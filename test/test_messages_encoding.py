@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 import math
 from typing import Any
 
@@ -38,38 +39,35 @@ STAMP_NS = 1_750_000_000_123_456_789
 HEAD: Any = {'stamp_ns': STAMP_NS}
 
 
-@pytest.mark.parametrize('frame_id', FRAMES)
-def test_vector_has_the_bytes_of_rosbags(frame_id: str) -> None:
-    values = (1.0, -math.inf, 5e-324)
-    raw = Vector3StampedEncoder(frame_id).encode(STAMP_NS, *values)
-    assert raw == vector_bytes(values, frame_id=frame_id, **HEAD)
+def test_vector_has_the_bytes_of_rosbags() -> None:
+    for frame_id in FRAMES:
+        values = (1.0, -math.inf, 5e-324)
+        raw = Vector3StampedEncoder(frame_id).encode(STAMP_NS, *values)
+        assert raw == vector_bytes(values, frame_id=frame_id, **HEAD), frame_id
 
 
-@pytest.mark.parametrize('frame_id', FRAMES)
-def test_wrench_has_the_bytes_of_rosbags(frame_id: str) -> None:
-    raw = WrenchEncoder(frame_id).encode(STAMP_NS, 1.0, -2.0, 3.0)
-    assert raw == wrench_bytes((1.0, -2.0, 3.0), frame_id=frame_id, **HEAD)
-    assert type(raw) is bytes
+def test_wrench_has_the_bytes_of_rosbags() -> None:
+    for frame_id in FRAMES:
+        raw = WrenchEncoder(frame_id).encode(STAMP_NS, 1.0, -2.0, 3.0)
+        assert raw == wrench_bytes((1.0, -2.0, 3.0), frame_id=frame_id, **HEAD), frame_id
+        assert type(raw) is bytes, frame_id
 
 
-@pytest.mark.parametrize('frame_id', FRAMES)
-@pytest.mark.parametrize('name', NAMES)
-@pytest.mark.parametrize('with_velocity', [True, False])
-def test_joint_state_has_the_bytes_of_rosbags(
-    frame_id: str, name: str, with_velocity: bool
-) -> None:
-    raw = JointStateEncoder(frame_id, name, with_velocity).encode(STAMP_NS, 0.25, -0.5)
-    velocity = [-0.5] * with_velocity
-    assert raw == joint_state_bytes([name], [0.25], velocity, frame_id=frame_id, **HEAD)
+def test_joint_state_has_the_bytes_of_rosbags() -> None:
+    for frame_id, name, with_velocity in product(FRAMES, NAMES, (True, False)):
+        raw = JointStateEncoder(frame_id, name, with_velocity).encode(STAMP_NS, 0.25, -0.5)
+        velocity = [-0.5] * with_velocity
+        expected = joint_state_bytes([name], [0.25], velocity, frame_id=frame_id, **HEAD)
+        assert raw == expected, (frame_id, name, with_velocity)
 
 
-@pytest.mark.parametrize('frame_id', FRAMES)
-@pytest.mark.parametrize('name', NAMES)
-def test_trajectory_has_the_bytes_of_rosbags(frame_id: str, name: str) -> None:
-    raw = TrajectoryEncoder(frame_id, name).encode(STAMP_NS, 1.0, 2.0, 3.0, math.nan)
+def test_trajectory_has_the_bytes_of_rosbags() -> None:
     fields = ('positions', 'velocities', 'accelerations', 'effort')
     point = {field: [value] for field, value in zip(fields, (1.0, 2.0, 3.0, math.nan))}
-    assert raw == trajectory_bytes([name], [point], frame_id=frame_id, **HEAD)
+    for frame_id, name in product(FRAMES, NAMES):
+        raw = TrajectoryEncoder(frame_id, name).encode(STAMP_NS, 1.0, 2.0, 3.0, math.nan)
+        expected = trajectory_bytes([name], [point], frame_id=frame_id, **HEAD)
+        assert raw == expected, (frame_id, name)
 
 
 @pytest.mark.parametrize('text', ['', 'a', 'frozen: weak excitation, ε'])
@@ -84,11 +82,11 @@ def test_number_has_the_bytes_of_rosbags(value: float) -> None:
     assert repr(decode_float64(encode_float64(value))) == repr(value)
 
 
-@pytest.mark.parametrize('label', FRAMES)
-def test_array_has_the_bytes_of_rosbags(label: str) -> None:
-    values = [float(k) for k in range(6)]
-    dimensions = [new('MultiArrayDimension', label, 2, 6), new('MultiArrayDimension', 'b', 3, 3)]
-    layout = new('MultiArrayLayout', dimensions, 0)
-    message = new('Float64MultiArray', layout, np.array(values))
-    expected = serialized(message, 'std_msgs/msg/Float64MultiArray')
-    assert encode_multi_array([(label, 2), ('b', 3)], values) == expected
+def test_array_has_the_bytes_of_rosbags() -> None:
+    for label in FRAMES:
+        values, dimension = [float(k) for k in range(6)], 'MultiArrayDimension'
+        dimensions = [new(dimension, label, 2, 6), new(dimension, 'b', 3, 3)]
+        layout = new('MultiArrayLayout', dimensions, 0)
+        message = new('Float64MultiArray', layout, np.array(values))
+        expected = serialized(message, 'std_msgs/msg/Float64MultiArray')
+        assert encode_multi_array([(label, 2), ('b', 3)], values) == expected, label

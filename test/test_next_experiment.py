@@ -10,12 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
-from contact_estimation.diagnosis.conclude.candidates import (
-    Candidate,
-    candidates,
-    Reach,
-    scaling_test,
-)
+from contact_estimation.diagnosis.conclude.candidates import candidates, Reach, scaling_test
 from contact_estimation.diagnosis.conclude.naming import advice
 from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
@@ -83,15 +78,15 @@ def test_experiment_file_gives_the_same_experiment_to_the_bit(
         assert repr(again.desired(t)) == repr(experiment.desired(t))
 
 
-@pytest.mark.parametrize('candidate', PROPOSED, ids=lambda candidate: candidate.experiment.name)
-def test_proposals_stay_within_reach_and_do_not_jump(candidate: Candidate) -> None:
-    x, v, a = motion(candidate.experiment)
-    assert x.min() >= REACH.location - REACH.gap - 1e-9
-    assert x.max() <= REACH.position(REACH.depth) + 1e-9
-    assert np.abs(v).max() <= REACH.gain * REACH.speed * 1.001
-    assert np.abs(np.diff(x) - 0.5 * STEP * (v[1:] + v[:-1])).max() < 1e-6
-    assert np.abs(np.diff(v) - 0.5 * STEP * (a[1:] + a[:-1])).max() < 1e-3
-    assert np.abs(a[[0, -1]]).max() == 0.0
+def test_proposals_stay_within_reach_and_do_not_jump() -> None:
+    for candidate in PROPOSED:
+        x, v, a = motion(candidate.experiment)
+        assert x.min() >= REACH.location - REACH.gap - 1e-9, candidate
+        assert x.max() <= REACH.position(REACH.depth) + 1e-9, candidate
+        assert np.abs(v).max() <= REACH.gain * REACH.speed * 1.001, candidate
+        assert np.abs(np.diff(x) - 0.5 * STEP * (v[1:] + v[:-1])).max() < 1e-6, candidate
+        assert np.abs(np.diff(v) - 0.5 * STEP * (a[1:] + a[:-1])).max() < 1e-3, candidate
+        assert np.abs(a[[0, -1]]).max() == 0.0, candidate
 
 
 def test_proposal_names_pair_and_experiment() -> None:

@@ -23,7 +23,6 @@ import numpy as np
 import pytest
 from world_reference import K_e, plant_with, simulate
 
-EACH = pytest.mark.parametrize('name', EFFECTS)
 VANISHING = {  # where 0 or the neutral value is out of range, or another has to fit
     'stribeck_friction': {'physics__stribeck_friction__v_s': 1.0},
     'power_law_stiffness': {'physics__power_law_stiffness__K_n': K_e},
@@ -67,50 +66,42 @@ class NeedsTwo(ContactEffect):
     name, equation, Parameters = 'needs_two', 'F_e -= first + second', TwoParameters
 
 
-@EACH
-def test_equation_names_every_parameter(name: str) -> None:
-    effect = EFFECTS[name]
-    assert all(spec.name in effect.equation for spec in specifications(effect.Parameters))
+def test_name_is_the_key_and_port_that_of_the_base() -> None:
+    for name, effect in EFFECTS.items():
+        assert effect.name == name and issubclass(effect, PORTS[effect.port]), name
 
 
-@EACH
-def test_parameters_are_numbers_that_are_off_by_default(name: str) -> None:
-    for spec in specifications(EFFECTS[name].Parameters):
-        assert isinstance(spec.default, float) and isnan(spec.default) and spec.nan_is_off
+def test_parameters_are_off_by_default_and_described() -> None:
+    for name, effect in EFFECTS.items():
+        assert specifications(effect.Parameters), name
+        assert effect.when_on(effect.Parameters()) is None, name
+        for spec in specifications(effect.Parameters):
+            assert isnan(spec.default) and spec.nan_is_off, (name, spec.name)
+            assert spec.unit and len(spec.description) > 8, (name, spec.name)
+            assert spec.name in effect.equation, (name, spec.name)
 
 
-@EACH
-def test_parameters_have_unit_and_description(name: str) -> None:
-    specs = list(specifications(EFFECTS[name].Parameters))
-    assert specs and all(spec.unit and len(spec.description) > 8 for spec in specs)
+def test_effect_with_neutral_parameters_changes_nothing() -> None:
+    for name in EFFECTS:
+        names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
+        wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
+        neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
+                        for key in names}
+        neutral.update(VANISHING.get(name, {}))
+        got = np.array(simulate(700, plant_with(**wall, **neutral)))
+        nominal = np.array(without_effects(**wall))
+        np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9, err_msg=name)
 
 
-@EACH
-def test_effect_is_off_without_its_parameters(name: str) -> None:
-    assert EFFECTS[name].when_on(EFFECTS[name].Parameters()) is None
-
-
-@EACH
-def test_effect_with_neutral_parameters_changes_nothing(name: str) -> None:
-    names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
-    wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
-    neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
-                    for key in names}
-    neutral.update(VANISHING.get(name, {}))
-    got = np.array(simulate(700, plant_with(**wall, **neutral)))
-    nominal = np.array(without_effects(**wall))
-    np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9)
-
-
-@EACH
-def test_law_gives_the_same_for_numbers_and_arrays(name: str) -> None:
-    effect = example(name)
-    if not isinstance(effect, ContactEffect) or effect.states:
-        pytest.skip('not a law of the wall without states')
+def test_law_gives_the_same_for_numbers_and_arrays() -> None:
     d, v = np.linspace(1e-4, 1e-2, 20), np.linspace(-0.1, 0.1, 20)
-    arrays = effect.resistance(0.0, d, v, (), np)
-    numbers = [effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
-    np.testing.assert_allclose(arrays, numbers, rtol=1e-12)
+    for name in EFFECTS:
+        effect = example(name)
+        if isinstance(effect, ContactEffect) and not effect.states:
+            arrays = effect.resistance(0.0, d, v, (), np)
+            numbers = [
+                effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
+            np.testing.assert_allclose(arrays, numbers, rtol=1e-12, err_msg=name)
 
 
 def test_effect_with_only_some_of_its_parameters_is_refused() -> None:

@@ -27,28 +27,27 @@ def report(*names: str) -> dict[str, Any]:
     return {'effects': effects}
 
 
-@pytest.mark.parametrize(('truth', 'names', 'expected'), [
-    (FRICTION, ['coulomb_friction'], 'right alone'),
-    (FRICTION, ['presliding_friction', 'robot_friction'], 'right alone'),
-    (FRICTION, ['bouc_wen_hysteresis'], 'right alone'),
-    (FRICTION, ['force_lag:stribeck_friction'], 'right alone'),
-    (FRICTION, ['coulomb_friction', 'force_lag'], 'right with surplus'),
-    (FRICTION, ['force_lag', 'coulomb_friction'], 'wrong first'),
-    (FRICTION, ['force_bias', 'coulomb_friction', 'contact_offset'], 'right alone'),
-    (FRICTION, ['force_bias'], 'silent'),
-    ({'acceptable_names': ['force_bias']}, ['force_bias'], 'right alone'),
-    ({'acceptable_names': ['force_bias']}, ['force_drift'], 'wrong first'),
-    ({'acceptable_names': ['dead_zone']}, ['contact_offset'], 'silent'),
-    ({'effects': [{'name': 'force_lag', 'also': ['force_bias']}]}, ['force_bias'], 'right alone'),
-    ({'families': ['relaxation']}, ['fractional_relaxation'], 'right alone'),
-    (CLEAN, [], 'rightly silent'),
-    (CLEAN, ['force_lag'], 'wrong first'),
-    (CLEAN, ['contact_offset'], 'rightly silent'),
-])
-def test_the_family_of_the_first_name_decides(
-    truth: dict[str, Any], names: list[str], expected: str
-) -> None:
-    assert class_of(truth, report(*names)) == expected
+def test_the_family_of_the_first_name_decides() -> None:
+    for truth, names, expected in [
+        (FRICTION, ['coulomb_friction'], 'right alone'),
+        (FRICTION, ['presliding_friction', 'robot_friction'], 'right alone'),
+        (FRICTION, ['bouc_wen_hysteresis'], 'right alone'),
+        (FRICTION, ['force_lag:stribeck_friction'], 'right alone'),
+        (FRICTION, ['coulomb_friction', 'force_lag'], 'right with surplus'),
+        (FRICTION, ['force_lag', 'coulomb_friction'], 'wrong first'),
+        (FRICTION, ['force_bias', 'coulomb_friction', 'contact_offset'], 'right alone'),
+        (FRICTION, ['force_bias'], 'silent'),
+        ({'acceptable_names': ['force_bias']}, ['force_bias'], 'right alone'),
+        ({'acceptable_names': ['force_bias']}, ['force_drift'], 'wrong first'),
+        ({'acceptable_names': ['dead_zone']}, ['contact_offset'], 'silent'),
+        ({'effects': [{'name': 'force_lag', 'also': ['force_bias']}]}, ['force_bias'],
+         'right alone'),
+        ({'families': ['relaxation']}, ['fractional_relaxation'], 'right alone'),
+        (CLEAN, [], 'rightly silent'),
+        (CLEAN, ['force_lag'], 'wrong first'),
+        (CLEAN, ['contact_offset'], 'rightly silent'),
+    ]:
+        assert class_of(truth, report(*names)) == expected, (truth, names, expected)
 
 
 @pytest.mark.parametrize(('content', 'message'), [

@@ -162,8 +162,7 @@ def rejected_messages(peer: Peer, begin_ns: int) -> list[ContactSample]:
 
 HAPPENINGS: dict[str, Callable[[Peer, int], list[ContactSample]]] = {
     happening.__name__: happening for happening in (
-        changes_reset_and_tare, mrac, time_set_back, rejected_messages,
-        wrench_of_another_frame)
+        changes_reset_and_tare, mrac, time_set_back, rejected_messages)
 }
 """What is done to the node, one after the other in one recording."""
 

@@ -67,11 +67,11 @@ def test_a_compliance_is_in_series_with_the_wall(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name', ALL_LAWS)
-def test_a_law_stands_out_two_to_ten_times(name: str) -> None:
-    trial = draw_rig_trial(name, np.random.default_rng(6))
-    assert trial.rig.stage in ALL_LAWS[name].stages
-    assert 0.6 * MIN_DEGREE < trial.degree < 1.5 * MAX_DEGREE
+def test_a_law_stands_out_two_to_ten_times() -> None:
+    for name in ALL_LAWS:
+        trial = draw_rig_trial(name, np.random.default_rng(6))
+        assert trial.rig.stage in ALL_LAWS[name].stages, name
+        assert 0.6 * MIN_DEGREE < trial.degree < 1.5 * MAX_DEGREE, name
 
 
 # -- plan and files ---------------------------------------------------------------------------

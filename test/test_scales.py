@@ -49,13 +49,13 @@ def factor(unit: str, values: dict[str, float]) -> float:
     return result
 
 
-@pytest.mark.parametrize('name', [name for name in EFFECTS if name not in NO_SLOWER])
-def test_starts_grow_with_the_recording(name: str) -> None:
-    effect = EFFECTS[name]
-    specs = list(specifications(effect.Parameters))
-    here, there = effect.starts(PRESS), effect.starts(enlarged(PRESS))
-    assert len(here) == len(there)
-    for old, new in zip(here, there):
-        values = dict(zip((spec.name for spec in specs), old))
-        expected = [value * factor(spec.unit, values) for value, spec in zip(old, specs)]
-        assert new == pytest.approx(tuple(expected), rel=1e-9, abs=0.0)
+def test_starts_grow_with_the_recording() -> None:
+    for name in [name for name in EFFECTS if name not in NO_SLOWER]:
+        effect = EFFECTS[name]
+        specs = list(specifications(effect.Parameters))
+        here, there = effect.starts(PRESS), effect.starts(enlarged(PRESS))
+        assert len(here) == len(there), name
+        for old, new in zip(here, there):
+            values = dict(zip((spec.name for spec in specs), old))
+            expected = [value * factor(spec.unit, values) for value, spec in zip(old, specs)]
+            assert new == pytest.approx(tuple(expected), rel=1e-9, abs=0.0), name

@@ -92,10 +92,10 @@ def grows(robot: Robot, K_e: float, cycles: int = 240) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('robot', CASES)
-def test_loop_becomes_unstable_within_ten_percent_of_the_predicted_wall(robot: Robot) -> None:
-    K_e = on_wall(robot, 5000.0).stiffest_wall
-    assert [grows(robot, 0.9 * K_e), grows(robot, 1.1 * K_e)] == [False, True]
+def test_loop_becomes_unstable_within_ten_percent_of_the_predicted_wall() -> None:
+    for robot in CASES:
+        K_e = on_wall(robot, 5000.0).stiffest_wall
+        assert [grows(robot, 0.9 * K_e), grows(robot, 1.1 * K_e)] == [False, True], robot
 
 
 @pytest.mark.parametrize('kind', ['admittance', 'impedance'])
