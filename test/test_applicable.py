@@ -15,7 +15,6 @@ from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
-import pytest
 
 OF_TOUCH = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
 TO_AND_FRO = 0.01 * np.sin(3.0 * np.arange(2000) / 250.0)
@@ -44,18 +43,6 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
-
-
-@pytest.mark.parametrize('back, returns', [(0.2, False), (0.6, True)])
-def test_what_a_return_tells_is_no_candidate_in_one_stroke(back: float, returns: bool) -> None:
-    x = 0.01 * np.interp(np.arange(2000), [0, 1200, 2000], [0.0, 1.0, 1.0 - back])
-    for kind in (nominal(), nominal(**ATTACHED)):
-        recording, model = without_robot(x, kind)
-        names = set(candidates_in([recording], model))
-        of_return = {name for name in names if EFFECTS[name].needs_return}
-        assert bool(of_return) is returns
-        assert {'coulomb_friction', 'stiffness_drift'} <= of_return or not returns
-        assert {'force_bias', 'cubic_stiffness'} <= names
 
 
 def test_families_that_are_not_tried_are_told_with_the_reason() -> None:

@@ -10,11 +10,9 @@ from functools import lru_cache
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.plant.between_samples import smooth, straight
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
@@ -87,21 +85,6 @@ def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
     values = {effect.name: effect.parameters for effect in found.effects}
     assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
     assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
-
-
-def areas(samples: Array) -> Array:
-    """Integrate straight lines between samples, over each interval."""
-    return 0.5 * (samples[1:] + samples[:-1])
-
-
-def test_straight_lines_through_smooth_samples_have_the_areas_of_the_spline() -> None:
-    t = np.arange(200.0)
-    force = np.sin(0.3 * t) + 0.4 * np.cos(0.11 * t)
-    spline = CubicSpline(t, force)
-    expected = [spline.integrate(k, k + 1.0) for k in range(20, 180)]
-    np.testing.assert_allclose(areas(smooth(force))[20:180], expected, atol=1e-3)
-    worst = np.max(np.abs(areas(straight(force))[20:180] - expected))
-    assert worst > 5e-3
 
 
 @pytest.mark.slow

@@ -9,7 +9,6 @@ from typing import Any
 
 from blind_worlds import answer, truth
 from contact_estimation.blind_trials.metrics import metrics
-from contact_estimation.blind_trials.report import as_dict
 from contact_estimation.blind_trials.scoring import Score, score
 import pytest
 
@@ -66,13 +65,6 @@ def test_stiffness_and_damping_must_be_given_exactly_where_the_truth_has_them(
     assert scored(told, answer(corrected=corrected)).base_right is right
 
 
-def test_a_failed_diagnosis_names_nothing() -> None:
-    failed = scored(truth('force_lag', parameters={'tau': 0.01}), FAILED)
-    assert (failed.found, failed.found_alone, failed.verdict) == (False, False, '')
-    assert (failed.force_ratio, failed.floor_error, failed.base_right) == (None, None, False)
-    assert scored(truth(), FAILED).false_alarm is True
-
-
 def test_metrics_cover_the_trials_to_which_they_apply() -> None:
     told = truth('force_bias', parameters={'bias': 2.0})
     scores = [
@@ -84,10 +76,3 @@ def test_metrics_cover_the_trials_to_which_they_apply() -> None:
     met = {t.name: t.met for t in metrics(scores)}
     assert met['true name first or among its alternatives [%]'] is False
     assert met['false alarms in clean worlds [%]'] is True
-
-
-def test_json_keeps_its_keys() -> None:
-    study = as_dict([scored(truth('force_bias'), answer('force_bias'))], seed=1)
-    assert {'said', 'rivals', 'named', 'alone', 'surplus', 'accused'} <= set(
-        study['trials'][0])
-    assert list(study['totals'][0]) == ['name', 'value', 'told', 'mark', 'at_least', 'met']

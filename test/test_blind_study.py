@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-import sys
 from typing import Any
 
 from blind_worlds import answer, short_trial, truth
@@ -65,21 +64,6 @@ def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> No
     }
 
 
-def test_the_truth_holds_effect_wall_and_degree_of_concealment(files: TrialFiles) -> None:
-    told = json.loads(files.truth.read_text())
-    assert told['effects'] == [
-        {'name': 'force_bias', 'port': 'force_sensor', 'parameters': {'bias': 2.0}}]
-    assert (told['stiffness'], told['damping']) == (4000.0, 100.0)
-    assert told['verdict'] == 'physics_missing'
-    assert told['concealed'] > 1.2
-
-
-def test_a_larger_study_contains_the_trials_of_a_smaller_one() -> None:
-    assert set(plan_study(5, 3, 1)) < set(plan_study(40, 8, 1))
-    assert not set(plan_study(5, 3, 1)) & set(plan_study(5, 3, 2))
-    assert set(plan_study(5, 3, 1, 4)) - set(plan_study(5, 3, 1)) == set(plan_study(0, 0, 1, 4))
-
-
 def test_finished_steps_of_a_trial_are_not_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -96,19 +80,6 @@ def test_finished_steps_of_a_trial_are_not_repeated(
     files.report.unlink()
     run_trial(tmp_path, PLANNED)
     assert calls == ['diagnose']
-
-
-def test_several_jobs_need_dask_and_one_does_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    (planned,) = plan_study(0, 1, 0)
-    done(tmp_path, planned, answer())
-    words = ['--count', '0', '--clean', '1', '--output', str(tmp_path)]
-    assert main(words) == 0
-    capsys.readouterr()
-    assert main([*words, '--jobs', '2']) == 1
-    assert 'pip install distributed' in capsys.readouterr().err
 
 
 def test_a_finished_study_of_rigs_is_scored_by_family(

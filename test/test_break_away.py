@@ -11,7 +11,6 @@ from concealed_worlds import nominal
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 from numpy.typing import NDArray
@@ -69,17 +68,3 @@ def test_a_damper_at_one_speed_is_no_dry_friction(speeds: tuple[float, float]) -
     found = diagnose(Recording('damper.mcap', recorded), nominal(
         environment__unilateral=False, environment__stiffness=0.0, environment__damping=800.0))
     assert found.effects == [] and found.verdict == 'recalibrate'
-
-
-def test_a_memory_at_one_speed_lists_that_of_the_other_kind() -> None:
-    x = 0.05 * np.abs((T / 5.0) % 2.0 - 1.0)
-    tau, K_1 = 1.5, 400.0
-    state, s = np.zeros(len(T)), 0.0
-    for k, v in enumerate(np.gradient(x, T)):  # s' = K_1 v - s / tau
-        s += 0.02 * (K_1 * v - s / tau)
-        state[k] = s
-    recorded = signals(T, x, -200.0 * x - state, noise=0.02)
-    found = diagnose(Recording('ramps.mcap', recorded), joint(200.0)).effects
-    families = {EFFECTS[name].family
-                for name in (found[0].name, *found[0].indistinguishable_from)}
-    assert 'relaxation' in families and families & {'friction', 'hysteresis'}

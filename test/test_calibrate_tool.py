@@ -129,15 +129,6 @@ def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
 
 
-def test_a_recording_without_description_says_what_to_give(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path / 'run.mcap', POSES[:1])
-    assert main([str(tmp_path / 'run.mcap'), '--output', str(tmp_path / 'tool.yaml')]) == 1
-    assert re.search('no robot description on /robot_description; give the URDF as --robot-desc',
-                     capsys.readouterr().err)
-
-
 def test_wrong_force_sign_of_the_parameter_file_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -5,16 +5,12 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 
 from contact_estimation.blind_trials import calibration as calibration_module
-from contact_estimation.blind_trials.calibration import calibrate, FITTED, JudgedTrial, loss
+from contact_estimation.blind_trials.calibration import calibrate, JudgedTrial, loss
 from contact_estimation.diagnosis.compare.beam import Compared
-from contact_estimation.diagnosis.compare.comparison_file import as_dict, of_dict
-from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
+from contact_estimation.diagnosis.compare.constants import CONSTANTS
 from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
-from diagnosed_worlds import diagnosed
 import numpy as np
 import pytest
 
@@ -69,23 +65,3 @@ def test_wrong_constants_are_corrected(
         assert found.constants.law + found.constants.parameter > start.law + start.parameter
     else:
         assert found.constants.temperature < start.temperature
-
-
-def test_fitted_constants_are_written_and_read_back(tmp_path: Path) -> None:
-    found, path = calibrate(TRIALS), tmp_path / 'constants.json'
-    found.write(path)
-    assert Constants(**json.loads(path.read_text())) == found.constants
-    text = found.text()
-    assert f'{len(TRIALS)} trials' in text and all(name in text for name in FITTED)
-
-
-def test_a_comparison_that_is_written_has_the_same_scores() -> None:
-    for compared in (TRIALS[3].compared, diagnosed('friction').compared):
-        assert compared is not None
-        again = of_dict(json.loads(json.dumps(as_dict(compared))), CONSTANTS)
-        assert len(again.models) >= 3
-        for one in again.models:
-            before = next(other for other in compared.models if other.key == one.key)
-            assert again.evidence.score(one) == pytest.approx(
-                compared.evidence.score(before), abs=1e-6)
-        assert again.models[0].effects == compared.models[0].effects

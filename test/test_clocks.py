@@ -28,14 +28,6 @@ def diagnosed(late: float, wrench: float = 0.0, **physics: Any) -> Diagnosis:
     return diagnose(Recording('late.mcap', late_ones), nominal())
 
 
-def test_late_joint_states_are_no_delay_of_the_command() -> None:
-    found = diagnosed(LATE_S)
-    failed = {check.name: check.text for check in found.checks if not check.ok}
-    assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
-    remedy = re.search(r'set synchronisation.offset to (-[\d.]+) s', failed['clock_offset'])
-    assert remedy and float(remedy[1]) == pytest.approx(-LATE_S, rel=0.1)
-
-
 @pytest.mark.parametrize('wrench, joints', [(-0.004, 0.0), (0.0, -0.003)])
 def test_stamps_before_the_event_are_no_mass_and_no_memory(wrench: float, joints: float) -> None:
     found = diagnosed(joints, wrench)

@@ -3,15 +3,13 @@
 
 from typing import Any
 
-from arm_contact import CENTRE, instants, MASS, NORMAL, PARAMETERS, START
+from arm_contact import CENTRE, MASS, PARAMETERS
 from contact_estimation.estimation.arm import kinematics_of
 from contact_estimation.estimation.compensated_wrench import CompensatedWrench
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
 from contact_estimation.parameters.values import build
-from contact_estimation.physics.compensation import Compensation
-from contact_estimation.physics.tool_inertia import ToolInertia
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -64,16 +62,3 @@ def test_a_tool_swung_in_free_flight_leaves_no_wrench(measured: bool) -> None:
     assert np.abs(inertia[:, :3]).max() > 20.0
     np.testing.assert_allclose(left[:, :3], 0.0, atol=5e-3)
     np.testing.assert_allclose(left[:, 3:], 0.0, atol=5e-4)
-
-
-def test_along_the_normal_it_is_the_force_that_the_estimator_fits() -> None:
-    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()]
-    R, p = pose(START, 'sensor')[:3, :3], pose(START, 'sensor')[:3, 3]
-    at_tip = (R.T @ (pose(START)[:3, 3] - p)).tolist()  # the estimator accelerates the tip
-    forces = published(rows, {**WITH_INERTIA, 'tool.centre': at_tip})[:, :3]
-    along = [NORMAL @ pose(tuple(q), 'sensor')[:3, :3] @ f for (_, q, *_), f in zip(rows, forces)]
-    known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3, 1.0 / STEP)
-    fitted = []
-    for contact in (i.contact for i in instants()):
-        fitted.append(-known.take(contact, 0.0, -contact.force).rest)
-    np.testing.assert_allclose(along[2:], fitted[2:], atol=5e-3)

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import nan
 from typing import Any
 
 from contact_estimation.estimation.parameters import EstimationParameters
@@ -22,7 +21,6 @@ from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import FORCE_EXCITATION
 from contact_estimation.reference.quintic import quintic
 from contact_estimation.signals.contact_sample import ContactSample
-from core_steps import estimate_after
 from effect_examples import switched_on
 import numpy as np
 import pytest
@@ -190,16 +188,3 @@ def test_nothing_is_learned_at_the_end_of_the_sensor_s_range() -> None:
     estimates = EstimationPipeline(parameters_of('force_saturation')).process(samples)
     clipped = [e.status for e, s in zip(estimates, samples) if s.force < -44.5]
     assert len(clipped) > 300 and EstimateStatus.ESTIMATING not in clipped
-
-
-def test_change_of_another_parameter_keeps_the_dent() -> None:
-    samples, end = recorded('plastic_set')
-    half = end // 2
-    kept, plain = (EstimationPipeline(parameters_of('plastic_set', estimator='rls'))
-                   for _ in range(2))
-    kept.process(samples[:half])
-    plain.process(samples[:half])
-    kept.configure(parameters_of('plastic_set', estimator='rls', contact__position_noise=1e-7,
-                                 physics__force_bias__bias=nan))
-    assert estimate_after(kept, samples[half]).location == pytest.approx(
-        estimate_after(plain, samples[half]).location, abs=1e-5)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import isfinite, isnan, nan
+from math import isfinite, nan
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
@@ -115,28 +115,6 @@ def test_first_contact_beside_a_known_effect_gives_the_wall() -> None:
         assert first < ends[0] - 50, name
         for estimate in estimates[first:]:
             assert isfinite(estimate.stiffness_std) and isfinite(estimate.location), name
-
-
-@pytest.mark.parametrize('name', [
-    'viscous_flow', 'plastic_set', 'backlash', 'environment_inertia', 'force_lag', 'force_creep'])
-def test_contact_in_progress_is_as_if_its_surface_had_always_been_known(name: str) -> None:
-    samples, _ = recorded(name)
-    touched = next(k for k, s in enumerate(samples) if s.force < -10.0) + 15
-    late, always = compensation(name), compensation(name)
-    compensated(late, samples[:touched], nan)
-    compensated(always, samples[:touched], 0.0)
-    found = compensated(late, samples[touched:touched + 50], 0.0)
-    expected = compensated(always, samples[touched:touched + 50], 0.0)
-    np.testing.assert_allclose(
-        [now[:-1] for now in found], [now[:-1] for now in expected], rtol=1e-9, atol=1e-12)
-
-
-def test_everything_but_the_depth_is_finite_before_the_surface_is_known() -> None:
-    for name in FELT:
-        samples = still([2_000_000 * k for k in range(60)])
-        for now in compensated(compensation(name), samples, nan):
-            assert isnan(now.depth) and isfinite(now.pressing) and isfinite(now.rest), name
-            assert np.isfinite([now.travel, now.stiffness_column, now.constant_column]).all(), name
 
 
 def test_irregular_stamps_make_no_force_of_the_noise_of_positions() -> None:

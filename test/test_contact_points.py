@@ -11,7 +11,6 @@ from typing import Any
 from contact_estimation.estimators.contact_points import (
     contact_forces,
     ContactGeometry,
-    force_regressor,
     point_motions,
     ToolMotion,
     total_wrench,
@@ -23,11 +22,6 @@ import pytest
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
-
-
-def at_rest(position: tuple[float, float, float], velocity: Any = (0.0, 0.0, 0.0)) -> ToolMotion:
-    """Place a tool without turning it."""
-    return ToolMotion(np.array(position), np.eye(3), np.array(velocity), np.zeros(3))
 
 
 def force_of(geometry: ContactGeometry, motion: ToolMotion, mu: float = MU) -> np.ndarray:
@@ -75,25 +69,6 @@ def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
         for F, n, rate, slip in zip(forces, GEOMETRY.normals, points.delta_dot, points.slip)
     )
     assert whole == pytest.approx(at_points, rel=1e-9, abs=1e-12)
-
-
-def test_point_that_withdraws_too_fast_does_not_pull_while_another_presses() -> None:
-    between = ContactGeometry(
-        np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]]),
-        np.array([[0.099, 0.0, 0.0], [-0.099, 0.0, 0.0]]),
-        np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]),
-    )
-    force = force_of(between, at_rest((0.0, 0.0, 0.0), (0.1, 0.0, 0.0)))
-    assert force[0] == pytest.approx(-(K_E * 0.001 + B_E * 0.1))
-
-
-@pytest.mark.parametrize('t', INSTANTS)
-def test_regressor_of_the_pressing_points_gives_the_force(t: float) -> None:
-    points = point_motions(GEOMETRY, motion_at(t))
-    forces = contact_forces(GEOMETRY, points, K_E, B_E, MU)
-    Phi = force_regressor(GEOMETRY, points, np.any(forces != 0.0, axis=1))
-    theta = np.array([K_E, B_E, MU * K_E, MU * B_E])
-    assert Phi @ theta == pytest.approx(forces.sum(axis=0), rel=1e-9, abs=1e-9)
 
 
 def geometry_with(**changed: Any) -> ContactGeometry:

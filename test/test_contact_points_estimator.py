@@ -21,7 +21,6 @@ from contact_estimation.estimators.contact_points_estimator import (
 )
 from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.exceptions import SignalShapeError
 from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
 import numpy as np
 import pytest
@@ -110,20 +109,6 @@ def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> 
     assert last.friction == pytest.approx(mu, rel=1e-5)
 
 
-def test_out_of_contact_nothing_moves() -> None:
-    estimates = run(estimator_with(), samples(0.0, 1.0))
-    assert {e.status for e in estimates} == {EstimateStatus.FREE}
-    assert {(e.stiffness, e.damping, e.friction) for e in estimates} == {(3000.0, 50.0, 0.0)}
-    assert {e.touching for e in estimates} == {(False, False, False)}
-
-
-def test_standard_deviations_are_those_of_the_errors() -> None:
-    estimates = run(estimator_with(force_noise=0.5), samples(*FIRST) + samples(*SLIDING))
-    for e in estimates[300::50]:
-        assert abs(e.stiffness - K_E) < 4.0 * e.stiffness_std < 0.05 * K_E
-        assert abs(e.damping - B_E) < 4.0 * e.damping_std < 0.2 * B_E
-
-
 def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> ContactPointsSample:
     """Press the feet and the nose so deep, level, under the force that this takes."""
     place = np.array([0.1 + depths[1], 0.0, 0.04 - depths[0]])
@@ -146,8 +131,3 @@ def test_what_cannot_be_told_from_the_motion_is_not_learned(
     after = estimator.update(sample)
     assert (after.status, after.reason) == (EstimateStatus.FROZEN, reason)
     assert after[1:7] == before[1:7]
-
-
-def test_force_of_one_axis_is_refused() -> None:
-    with pytest.raises(SignalShapeError, match=r'force must have shape \(3,\), got \(1,\)'):
-        estimator_with().update(samples(0.0, 0.1)[0]._replace(force=np.array([1.0])))

@@ -17,7 +17,6 @@ from contact_estimation.parameters.specification import ParameterSpecification, 
 from contact_estimation.parameters.values import build
 from contact_estimation.reference.setpoints import Desired, Reference
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import closed_loop, contact_samples, PAPER_SENSORS, PERIOD_NS
 from effect_examples import switched_on
 import pytest
@@ -120,12 +119,6 @@ def test_every_parameter_can_be_set_to_its_minimum_in_contact() -> None:
                         for spec in LOWER if spec.name not in (*RANGES, OFFSET))
 
 
-@pytest.mark.slow
-def test_every_parameter_can_be_set_to_its_maximum_in_contact() -> None:
-    assert not problems((spec.name, _like(spec, spec.maximum or 0))
-                        for spec in UPPER if spec.name != OFFSET)
-
-
 def test_refused_change_leaves_the_estimates_as_they_would_have_been() -> None:
     asked, undisturbed = session_for(), session_for()
     for session in (asked, undisturbed):
@@ -160,18 +153,6 @@ def test_order_of_the_topics_does_not_matter() -> None:
     assert repr(results) == repr(feed(forward, SAMPLES))
 
 
-def test_force_reference_replaces_a_missing_desired_force() -> None:
-    results = feed(session_for(force_reference=30.0), SAMPLES)
-    assert results[-1].reference is not None and results[-1].reference.force == 30.0
-
-
-def test_setpoint_older_than_the_timeout_loses_its_rates() -> None:
-    session = session_for()
-    session.add_desired(SAMPLES[0].stamp_ns - 200_000_000, Desired(-0.0102, 0.1, 0.5, nan))
-    (result,) = feed(session, SAMPLES[:1])
-    assert result.reference == (-0.0102, 0.0, 0.0, 0.0)
-
-
 def test_desired_of_the_future_waits_for_its_stamp() -> None:
     session = session_for()
     first = SAMPLES[0].stamp_ns
@@ -181,38 +162,11 @@ def test_desired_of_the_future_waits_for_its_stamp() -> None:
     assert [r.position for r in references if r] == [-0.0102, -0.0104]
 
 
-def test_setpoints_outlive_a_latency_of_seconds() -> None:
-    session, count = session_for(), 1500
-    first = SAMPLES[0].stamp_ns
-    for k in range(1, count):  # the planner is 3 s ahead of the samples that are processed
-        session.add_desired(first + k * PERIOD_NS, Desired(-0.01 - 1e-5 * k, 0.0, 0.0, nan))
-    references = [r.reference for r in feed(session, SAMPLES[:3])]
-    positions = [r.position for r in references if r]
-    assert positions == pytest.approx([-0.01001, -0.01002, -0.01003], rel=1e-12)
-
-
 def test_backward_clock_jump_keeps_the_estimate() -> None:
     session = session_for()
     learned = feed(session, SAMPLES)[-1].estimate
     (first, *_) = feed(session, SAMPLES[:10])
     assert (first.estimate.stiffness, session.time_jumps) == (learned.stiffness, 1)
-
-
-def test_reference_does_not_step_after_a_gap() -> None:
-    session, second = session_for(), 1_000_000_000
-    constant = Desired(0.0204, 0.0, 0.0, 50.0)
-    results = []
-    for stamp, position, velocity, force in contact_samples(0.6):
-        session.add_desired(stamp + PERIOD_NS, constant)
-        session.add_motion(stamp, position, velocity)
-        results += session.add_wrench(stamp, force)
-    later = results[-1].sample.stamp_ns + 10 * second
-    session.add_desired(later + PERIOD_NS, Desired(0.0204, 0.0, 0.0, nan))
-    before = results[-1].reference
-    rest = [ContactSample(later + k * PERIOD_NS, 0.0, 0.0, 0.0) for k in range(CONFIRMING)]
-    *_, after = feed(session, rest)
-    assert before is not None and after.reference is not None
-    assert abs(after.reference.position - before.position) <= 0.25 * PERIOD_NS * 1e-9
 
 
 @pytest.mark.parametrize('force', [-30.0, 0.0, inf])

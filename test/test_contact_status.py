@@ -64,11 +64,3 @@ def test_pull_is_no_contact_and_says_so() -> None:
     first = [one for one, t in zip(estimates, samples.t) if 0.32 < t < 0.5]
     assert {one.status for one in first} == {FREE}
     assert all(one.reason for one in first)
-
-
-def test_released_contact_is_free_within_twenty_milliseconds() -> None:
-    samples = two_presses()
-    estimates = estimates_of(samples)
-    pressed = np.flatnonzero((samples.depth > 0.0) & (samples.t < 2.2))
-    end = int(pressed[-1])
-    assert FREE in [one.status for one in estimates[end:end + 10]]

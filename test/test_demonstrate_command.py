@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.commands.demonstrate import CONCEALED, main, NOMINAL, WORLD
-from contact_estimation.parameters.values import build, flatten
+from contact_estimation.commands.demonstrate import CONCEALED, main, WORLD
+from contact_estimation.parameters.values import build
 from contact_estimation.physics import effects_that_are_on
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
@@ -18,12 +18,6 @@ import pytest
 def test_each_concealed_world_has_one_effect(concealed: dict[str, float]) -> None:
     plant = build(PlantParameters, {**WORLD, **concealed})
     assert len(effects_that_are_on(plant.physics)) == 1
-
-
-def test_nominal_model_knows_no_effect_and_has_other_values() -> None:
-    nominal = build(PlantParameters, NOMINAL)
-    assert effects_that_are_on(nominal.physics) == []
-    assert all(flatten(nominal)[name] != WORLD[name] for name in NOMINAL)
 
 
 def test_folder_that_is_not_empty_is_refused(

@@ -102,12 +102,6 @@ def _fail(line: str) -> None:
     raise ValueError(line)
 
 
-def test_recording_without_contact_gets_no_names(folder: Path, command: Command) -> None:
-    ended = command(folder / 'free.mcap', '--nominal', folder / 'model.yaml')
-    assert ended.code == 0
-    assert ended.out.startswith('Check excitation: the force is nothing but noise')
-
-
 @pytest.mark.slow
 def test_missing_topic_is_named_with_the_recorded_ones(
     folder: Path, tmp_path: Path, command: Command
@@ -172,15 +166,3 @@ def test_file_that_is_cut_short_is_diagnosed_and_told(
     cut.write_bytes(content[:300])
     line = command.refusal(cut, '--nominal', folder / 'model.yaml')
     assert 'it ends before the first topic' in line
-
-
-@pytest.mark.slow
-def test_clock_that_was_set_back_is_refused(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    signals = recorded()
-    t = signals.wrench_t - np.where(signals.wrench_t > 4.0, 2.0, 0.0)
-    recording = write_recording(tmp_path / 'a.mcap', signals._replace(wrench_t=t))
-    ended = command(recording, '--nominal', folder / 'model.yaml')
-    assert ended.code == 0 and 'jump back by 2 s' in ended.out
-    assert 'fix the recording first: stamp order' in ended.out

@@ -52,11 +52,6 @@ def test_residual_depends_on_the_quantity_of_the_missing_law(
     assert found[on].share >= max(others)
 
 
-@pytest.mark.slow
-def test_force_residual_of_a_correct_model_depends_on_nothing() -> None:
-    assert [one.on for one in found_in('', 'force').values() if one.is_real] == []
-
-
 def test_share_is_the_explained_part_of_the_mean_square() -> None:
     recording, model = recalibrated('coulomb_friction')
     found = found_in('coulomb_friction', 'force')['direction']

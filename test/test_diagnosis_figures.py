@@ -14,7 +14,6 @@ from contact_estimation.diagnosis.report.figures import (
     plot_comparison,
     plot_evidence,
     plot_parts,
-    plot_residuals,
 )
 from contact_estimation.diagnosis.report.plot_data import plot_data
 from diagnosed_worlds import diagnosed
@@ -33,17 +32,6 @@ def line(axis: Any, label: str) -> Any:
 
 
 @pytest.mark.slow
-@EVERY
-def test_held_out_spans_are_the_samples_excluded_from_fitting(name: str) -> None:
-    recording = diagnosed(name).recordings[0]
-    spans, t = plot_data(diagnosed(name)).held_out_s, recording.observed.t
-    assert len(spans) == 3
-    inside = np.any([(t >= first) & (t <= last) for first, last in spans], axis=0)
-    assert not recording.use[inside].any()
-    assert recording.use[~inside].mean() > 0.95
-
-
-@pytest.mark.slow
 def test_comparison_shows_recording_and_all_models() -> None:
     data = plot_data(diagnosed('friction'))
     whole, close = plot_comparison(data, data.force).axes
@@ -53,17 +41,6 @@ def test_comparison_shows_recording_and_all_models() -> None:
     np.testing.assert_array_equal(line(close, 'recorded').get_ydata(),
                                   data.force.recorded[data.close_up])
     assert line(whole, 'corrected').get_color() == COLOURS['corrected']
-
-
-def test_residuals_show_both_models_noise_and_held_out_part() -> None:
-    data = plot_data(diagnosed('friction'))
-    (axis,) = plot_residuals(data, data.residuals[0]).axes
-    labels = axis.get_legend_handles_labels()[1]
-    assert labels == ['held out', 'noise, ± 2 std', 'recalibrated', 'corrected',
-                      'mismatch located']
-    np.testing.assert_array_equal(line(axis, 'corrected').get_ydata(),
-                                  data.residuals[0].by_model['corrected'])
-    assert axis.get_ylabel() == 'force residual [N]'
 
 
 def test_evidence_ranks_candidates_and_colours_named_effects() -> None:

@@ -6,19 +6,17 @@
 from __future__ import annotations
 
 
-from concealed_worlds import ATTACHED, attached, FORCE_NOISE, nominal, prepared_from, recorded
+from concealed_worlds import ATTACHED, attached, nominal, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.held_out import (
     by_part,
     errors_of,
     improvement_interval,
-    measure_part,
     Part,
 )
 from contact_estimation.diagnosis.conclude.result import Errors
-from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, require_contact
+from contact_estimation.diagnosis.observe.episodes import episodes, hold_out
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
-from contact_estimation.exceptions import RecordingError
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -105,11 +103,6 @@ def test_of_an_attached_wall_a_late_block_of_each_third_is_held_out() -> None:
     assert in_late_thirds(samples, 0, len(samples))
 
 
-def test_recording_without_contact_is_refused() -> None:
-    with pytest.raises(RecordingError, match='free.mcap has no contact of 30 samples.*location'):
-        require_contact(MODEL, moved((-0.001, -0.002)), 'free.mcap')
-
-
 def part_of(recalibrated: Array, corrected: Array) -> Part:
     """Make a part with given squared errors, ten samples a block."""
     force = np.array([recalibrated, recalibrated, corrected])
@@ -133,11 +126,3 @@ def test_interval_of_an_improvement_holds_it() -> None:
     low, high = interval
     assert low < 1.0 - 1.0 / 3.0 < high
     assert high - low < 0.2
-
-
-def test_true_model_predicts_a_part_to_its_noise() -> None:
-    recording, model = prepared_from(recorded())
-    everything = np.ones(len(recording.observed.t), bool)
-    part = measure_part('all', recording, everything, [model] * 3, None)
-    assert errors_of([part])[0].nominal == pytest.approx(FORCE_NOISE, rel=0.06)
-    assert part.motion is None

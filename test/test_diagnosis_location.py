@@ -5,14 +5,7 @@
 
 from __future__ import annotations
 
-from concealed_worlds import (
-    ATTACHED,
-    attached,
-    nominal,
-    physics,
-    prepared_from,
-    recorded,
-)
+from concealed_worlds import physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
@@ -53,29 +46,10 @@ def test_port_of_an_effect_is_guessed_from_its_residuals() -> None:
 
 
 @pytest.mark.slow
-def test_plastic_set_is_seen_in_contact_only() -> None:
-    recording, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
-    o = recording.observed
-    intervals = locate(recording, model).intervals_s
-    assert intervals
-    for begin, end in intervals:
-        inside = o.x[(o.t >= begin) & (o.t < end)] > 0.0
-        assert np.mean(inside) > 0.7
-
-
-@pytest.mark.slow
 def test_resonance_is_located_around_its_frequency() -> None:
     place = locate(*recalibrated(recorded(**physics('environment_resonance', 0.4, 9.0, 0.05))))
     assert place.port == 'contact'
     assert place.band_hz[0] < 9.0 < place.band_hz[1] < 12.0
-
-
-def test_without_a_robot_the_contact_is_blamed() -> None:
-    signals = attached(('physics__cubic_stiffness__K_3', 1e6))
-    recording, model = prepared_from(signals, nominal(**ATTACHED))
-    place = locate(recording, model)
-    assert place.port == 'contact'
-    assert place.phase in {'loading', 'unloading', 'all'}
 
 
 def test_intervals_are_where_the_energy_is() -> None:

@@ -21,13 +21,8 @@ from concealed_worlds import (
     softened,
     with_unknown,
 )
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.model import names_of
-from contact_estimation.diagnosis.observe.residuals import force_residual
-from contact_estimation.diagnosis.observe.signals import Recording
-from contact_estimation.diagnosis.report.json_report import as_dict
-from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
 from outside_effects import OUTSIDE_EFFECTS
@@ -227,15 +222,3 @@ def test_strong_cubic_spring_of_an_attached_wall_is_named() -> None:
     assert (found.verdict, named(found)) == ('physics_missing', ['cubic_stiffness'])
     assert found.effects[0].parameters['K_3'].value == pytest.approx(1e7, rel=0.005)
     assert found.stiffness.value == pytest.approx(5000.0, rel=0.001)
-
-
-def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
-    smooth = Recording('smooth', recorded(seed=4))
-    rough = Recording('rough', recorded(seed=1, **physics('coulomb_friction', 4.0)))
-    found = diagnose([smooth, rough], nominal())
-    assert found.shown == as_dict(found)['located_in'] == 'rough'
-    assert found.location is not None
-    assert 'All times are those of rough' in as_text(found)
-    np.testing.assert_array_equal(found.recordings[0].observed.t, found.recordings[1].observed.t)
-    worst, other = (force_residual(one, found.recalibrated).std() for one in found.recordings)
-    assert worst > other

@@ -10,12 +10,10 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 import re
-import subprocess
 import sys
 
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.conclude.location import Location
-from contact_estimation.diagnosis.conclude.result import refuse, Remainder
+from contact_estimation.diagnosis.conclude.result import refuse
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report import page as page_module
 from contact_estimation.diagnosis.report.page import as_html, with_std
@@ -145,19 +143,6 @@ def test_text_from_outside_is_escaped() -> None:
     assert 'cannot distinguish it from stribeck friction: ' in ' '.join(shown.split())
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures('blank_pictures')
-def test_parts_left_out_have_a_figure_for_each_name_and_a_sentence_on_the_rest() -> None:
-    d = diagnosed('friction')
-    place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
-    parsed = Page(as_html(replace(d, remainder=Remainder(0.123, place, '')), 'a.mcap'))
-    figures = [attributes['alt'] for tag, attributes in parsed.tags if tag == 'img']
-    assert ('Share and main parameter of coulomb_friction on each part of the recordings'
-            in figures)
-    shown = ' '.join(parsed.text.split())
-    assert 'The named effect leaves 12 % of the misfit: in the robot, during the hold' in shown
-
-
 def test_refused_recording_has_a_page_without_figures() -> None:
     pytest.importorskip('matplotlib')
     failed = Check('force_sign', False, 'the force pulls while pressing', fatal=True)
@@ -166,15 +151,6 @@ def test_refused_recording_has_a_page_without_figures() -> None:
     assert 'Fix the recording first: force sign' in shown
     assert failed.text in shown
     assert '<img' not in text and 'Model parameters' not in shown
-
-
-@pytest.mark.slow
-def test_templates_are_installed(tmp_path: Path) -> None:
-    pytest.importorskip('setuptools')
-    subprocess.run([sys.executable, 'setup.py', '-q', 'build_py', '--build-lib', str(tmp_path)],
-                   cwd=ROOT, check=True, capture_output=True)
-    files = [path for page in PAGES for path in page.glob('*.*')]
-    assert [path for path in files if not (tmp_path / path.relative_to(ROOT)).exists()] == []
 
 
 def test_every_effect_has_a_meaning_of_one_line() -> None:

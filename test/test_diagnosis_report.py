@@ -11,8 +11,7 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.location import Location
-from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Value
+from contact_estimation.diagnosis.conclude.result import Value
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.text_report import as_text
@@ -101,15 +100,6 @@ def test_stiffness_or_damping_replaced_by_an_effect_is_null_or_zero(
         assert report['corrected'][name]['value'] == value
 
 
-def test_values_that_do_not_exist_are_null() -> None:
-    nothing = Errors(None, None, None)
-    part = replace(diagnosed('clean').holdouts[0], motion=nothing)
-    fit = as_dict(replace(
-        diagnosed('clean'), motion=nothing, improvement=None, holdouts=[part]))['fit']
-    assert fit['motion_rmse_m'] is None and fit['improvement_interval'] is None
-    assert fit['holdouts'][0]['motion_rmse_m'] is None
-
-
 @EVERY
 def test_text_begins_with_the_verdict_and_gives_effects_and_errors(name: str) -> None:
     d = diagnosed(name)
@@ -131,19 +121,6 @@ def test_text_gives_family_share_and_parameters_on_the_parts() -> None:
             'in cross-validation\n') in text
     assert (f'  fitted on each of {len(found)} parts alone: '
             f'F_c = {min(found):.3g} to {max(found):.3g} N\n') in text
-
-
-@pytest.mark.parametrize(('count', 'subject'), [
-    (1, 'The named effect leaves'), (2, 'The named effects together leave'),
-])
-def test_text_says_how_much_the_names_leave_and_where(count: int, subject: str) -> None:
-    d = diagnosed('friction')
-    place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
-    left = replace(d, effects=d.effects * count, remainder=Remainder(0.123, place, ''))
-    assert (f'\n{subject} 12 % of the misfit: in the robot, during the hold (1.0-2.0 s), '
-            'strongest at small |v|, 5 to 40 Hz.\n') in as_text(left)
-    assert (f'\n{subject} less than 1 % of the misfit above the noise.\n'
-            in as_text(replace(left, remainder=None)))
 
 
 def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:

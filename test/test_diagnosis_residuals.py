@@ -6,14 +6,12 @@
 from __future__ import annotations
 
 
-from concealed_worlds import FORCE_NOISE, physics, prepared_from, recorded
+from concealed_worlds import FORCE_NOISE, prepared_from, recorded
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import force_residual, residuals
-from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.diagnosis.observe.touch_down import at_touch_down
 from contact_estimation.diagnosis.observe.usable_samples import force_drops
 import numpy as np
 from numpy.typing import NDArray
@@ -39,41 +37,11 @@ def mean_squares(recording: PreparedRecording, model: Model) -> tuple[float, flo
     return force, motion
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('seed', [1, 2, 3])
-def test_true_model_leaves_noise_of_variance_one(seed: int) -> None:
-    recording, model = prepared_from(recorded(seed=seed))
-    force, motion = mean_squares(recording, model)
-    assert force == pytest.approx(1.0, abs=0.2)
-    assert motion == pytest.approx(1.0, abs=0.3)
-
-
 def test_force_residual_of_the_true_model_is_the_sensor_s_noise() -> None:
     recording, model = prepared_from(recorded())
     residual = force_residual(recording, model)[recording.use]
     assert np.std(residual) == pytest.approx(FORCE_NOISE, rel=0.05)
     assert abs(np.mean(residual)) < 4.0 * FORCE_NOISE / np.sqrt(len(residual))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('name, values, in_force, in_motion', EFFECTS_BY_CHANNEL)
-def test_effect_shows_in_the_channels_it_acts_on(
-    name: str, values: tuple[float, ...], in_force: bool, in_motion: bool
-) -> None:
-    recording, model = prepared_from(recorded(**physics(name, *values)))
-    for left, shows in zip(mean_squares(recording, model), (in_force, in_motion)):
-        assert left > 8.0 if shows else left < 2.0
-
-
-def test_impulse_of_touch_down_is_kept() -> None:
-    pressing, step = -40.0, 0.3  # a damper's force is there at once, within the step
-    d = np.array([-1.3, -0.7 * 1.0, 0.3, 1.3])
-    force = np.where(d > 0.0, pressing, 0.0)
-    changed = at_touch_down(force, d)
-    area = np.sum(0.5 * (changed[1:] + changed[:-1]))
-    # Straight lines between samples a second apart; the force acts for 0.3 s of the second one.
-    assert area == pytest.approx(pressing * (step + 1.0))
-    np.testing.assert_array_equal(changed != force, [False, True, False, False])
 
 
 def test_dropped_wrenches_do_not_count() -> None:
@@ -125,10 +93,3 @@ def test_reference_reaches_a_late_robot_later() -> None:
     late = o.reference_at(3.0 * o.h)
     np.testing.assert_allclose(late[:, 3:], o.reference[:, :-3], atol=1e-9)
     np.testing.assert_array_equal(o.reference_at(0.0), o.reference)
-
-
-def test_stamps_of_joint_and_wrench_may_differ() -> None:
-    signals: Signals = recorded()
-    shifted = signals._replace(joint_t=signals.joint_t[3:], position=signals.position[3:])
-    recording, model = prepared_from(shifted)
-    assert mean_squares(recording, model)[0] == pytest.approx(1.0, abs=0.2)

@@ -9,7 +9,6 @@ from typing import Any
 
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.driven_wall import run_driven_wall
-from contact_estimation.plant.sampled_reference import reference_through
 from effect_examples import example_values
 import numpy as np
 import pytest
@@ -42,12 +41,6 @@ def test_driven_wall_is_that_of_an_independent_integration(name: str) -> None:
     np.testing.assert_allclose(got, expected.y[0], atol=1e-7)
 
 
-def test_time_of_a_driven_wall_counts_from_the_first_sample() -> None:
-    drifting = with_effect('stiffness_drift', **WALL)
-    early, late = (run_driven_wall(drifting, T + begin, FORCE, 0.0) for begin in (0.0, 64.0))
-    np.testing.assert_allclose(early, late, atol=1e-12)
-
-
 @pytest.mark.parametrize('name', [n for n, cls in EFFECTS.items() if cls.port == 'force_sensor'])
 def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
     if name == 'force_saturation':
@@ -61,12 +54,3 @@ def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
     swing = np.max(np.abs(nominal))
     untold = np.max(np.abs(run_driven_wall(plant_with(**WALL), T, reading, 0.0) - nominal))
     assert np.max(np.abs(got - nominal)) < min(0.05 * swing, 0.5 * untold)
-
-
-def test_reference_runs_straight_between_its_samples_and_rests_outside() -> None:
-    t, rows = np.array([0.0, 1.0, 3.0]), np.arange(12.0).reshape(4, 3)
-    at = reference_through(t, rows)
-    assert at(2.0) == (1.5, 4.5, 7.5, 10.5)
-    assert at(0.25) == (0.25, 3.25, 6.25, 9.25)
-    assert at(3.0) == (2.0, 5.0, 8.0, 11.0)
-    assert (at(-1.0), at(4.0)) == ((0.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0))

@@ -8,12 +8,11 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
-from effect_formulas import Array, between_stops, FORMULAS, SENSED
+from effect_formulas import Array, FORMULAS, SENSED
 import numpy as np
 import pytest
 from world_reference import B_e, B_t, K_e, K_t, M_t, reference_at, simulate, with_effect
@@ -68,26 +67,6 @@ def test_law_on_arrays_is_the_contract_s_formula() -> None:
             err_msg=name)
 
 
-def test_states_of_a_recording_are_those_of_small_steps() -> None:
-    for name in sorted(set(STATEFUL) - {'fractional_relaxation'}):
-        effect = example(name)
-        t, d, v, _ = motion(2e-4)
-        expected = ContactEffect.states_along(effect, t, d, v, d > 0.0)[:, ::10]
-        t, d, v, _ = motion(2e-3)
-        got = effect.states_along(t, d, v, d > 0.0)
-        scale = np.max(np.abs(expected))
-        apart = np.abs(got - expected) > 0.01 * scale
-        assert scale > 0.0 and np.mean(apart) < 0.01, name  # a state may jump within a sample
-
-
-def test_play_of_an_attached_wall_has_an_end_on_either_side() -> None:
-    t, x, v, a = motion(2e-3)
-    gap, centre, beside = example_values('free_play')
-    assert np.min(x) < centre - gap and np.max(x) > centre + gap
-    got = law_of('free_play', unilateral=False).force(t, x, v, a)
-    np.testing.assert_allclose(got, -between_stops(x, v, gap, centre, beside), atol=1e-9)
-
-
 @pytest.mark.usefixtures('exact_positions')
 def test_force_predicted_from_true_motion_is_the_true_force() -> None:
     for name in WALL:
@@ -116,16 +95,6 @@ def test_sensor_on_arrays_is_the_contract_s_formula() -> None:
         expected = SENSED[name](t, force, a, *example_values(name))
         got = example(name).sense_along(t, force, a)
         np.testing.assert_allclose(got, expected, atol=0.1, err_msg=name)
-
-
-def test_sensor_on_samples_is_that_of_small_steps() -> None:
-    for name in SENSOR:
-        t, x, _, a = motion(2e-3)
-        effect, fine = example(name), motion(1e-4)
-        steps = [effect.sense(now, 1e-4 if now else 0.0, -K_e * place, turn)
-                 for now, place, _, turn in zip(*(column.tolist() for column in fine))]
-        got = effect.sense_along(t, -K_e * x, a)
-        np.testing.assert_allclose(got, steps[::20][:len(t)], atol=0.01, err_msg=name)
 
 
 def test_reading_of_the_plant_is_that_of_the_sensor_on_arrays() -> None:

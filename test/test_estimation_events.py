@@ -66,9 +66,3 @@ def test_scheduled_event_acts_where_the_live_one_did(event: EstimationEvent) -> 
     expected += feed(live, 300, len(SAMPLES))
     replay.schedule(Moment(0, SAMPLES[299].stamp_ns), lambda: apply_event(replay, event))
     assert feed(replay, 0, len(SAMPLES)) == expected
-
-
-def test_change_that_no_longer_fits_is_left_out() -> None:
-    session = ContactSession(EstimationParameters())
-    apply_event(session, EstimationEvent(CHANGE, 0, {'conditioning.cutoff_frequency': 400.0}))
-    assert session.parameters == EstimationParameters()

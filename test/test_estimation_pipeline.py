@@ -92,14 +92,6 @@ def test_free_flight_neither_drifts_nor_jumps(estimator: str) -> None:
     assert {known(estimate) for estimate in away} == {learned}
 
 
-def test_force_bias_far_from_the_wall_is_no_contact() -> None:
-    for estimator in ESTIMATORS:
-        for bias in [-5.0, 5.0]:
-            pipeline = pipeline_with(estimator=estimator)
-            statuses = {e.status for e in estimates_of(free_flight(1000, level=bias), pipeline)}
-            assert statuses == {EstimateStatus.FREE}, (estimator, bias)
-
-
 def test_switch_of_estimator_keeps_stiffness_and_damping() -> None:
     for before, after in PAIRS:
         pipeline, samples = pipeline_with(estimator=before), contact_samples(0.5)
@@ -116,15 +108,6 @@ def test_reset_goes_back_to_the_first_guess(estimator: str) -> None:
     pipeline.reset()
     (estimate,) = estimates_of(later(free_flight(1), 5 * 10**9), pipeline)
     assert known(estimate) == (3000.0, 50.0)
-
-
-@BY_ESTIMATOR
-def test_restart_of_time_keeps_what_was_learned(estimator: str) -> None:
-    pipeline, samples = pipeline_with(estimator=estimator), contact_samples(1.0)
-    learned = known(estimates_of(samples, pipeline)[-1])
-    pipeline.restart_time()
-    again = estimates_of(samples[:50], pipeline)
-    assert {known(estimate) for estimate in again} == {learned}
 
 
 def test_tare_removes_a_bias() -> None:

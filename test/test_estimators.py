@@ -77,16 +77,6 @@ def test_start_from_begins_at_the_given_values(name: str) -> None:
     assert (estimator.stiffness, estimator.damping) == (7000.0, 80.0)
 
 
-@EACH
-def test_limits_hold_whatever_the_data(name: str) -> None:
-    pipeline = pipeline_with(
-        estimator=name, environment__maximum_stiffness=4000.0, environment__maximum_damping=100.0
-    )
-    estimates = estimates_of(contact_samples(0.6), pipeline)
-    assert max(e.stiffness for e in estimates) <= 4000.0
-    assert max(e.damping for e in estimates) <= 100.0
-
-
 def test_other_sample_rates_give_the_stiffness_too() -> None:
     for name in ESTIMATORS:
         for rate in [125.0, 1000.0]:

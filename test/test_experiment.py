@@ -64,20 +64,11 @@ def test_wanted_force_is_eq_40(name: str) -> None:
         assert experiment.desired(t).force == pytest.approx(50.0 + 8.0 * sin(20.0 * t))
 
 
-def test_depth_is_50_n_under_the_impedance() -> None:
-    depth = experiment_named('none').desired(7.0).position
-    assert depth * 5000.0 * 4800.0 / 9800.0 == pytest.approx(50.0, rel=1e-3)
-
-
 def test_position_excitation_has_its_feed_forward_at_every_sample() -> None:
     shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
     t = 6.6 + 0.002 * np.arange(1, 1000)  # on the hold
     rates = [shaken.desired(u).velocity for u in t.tolist()]
     np.testing.assert_allclose(rates, [0.04 * cos(20.0 * u) for u in t], atol=1e-4)
-
-
-def test_hold_is_where_force_is_wanted_at_rest() -> None:
-    assert experiment_named('sine').hold() == pytest.approx((6.6, 8.6))
 
 
 def test_cycle_repeats_the_motion_for_ever() -> None:
@@ -140,11 +131,3 @@ def test_mistake_in_the_file_is_an_error_that_says_which(
 ) -> None:
     with pytest.raises(ContactEstimationError, match=message):
         read_experiment(written(content, tmp_path))
-
-
-def test_rich_touches_three_times_at_different_depths_and_wants_no_force() -> None:
-    rich = experiment_named('rich')
-    desired = [rich.desired(0.01 * k) for k in range(round(100 * rich.duration))]
-    inside = np.array([point.position for point in desired]) > 0.0
-    assert np.count_nonzero(np.diff(inside.astype(int)) == 1) == 3
-    assert all(np.isnan(point.force) for point in desired)

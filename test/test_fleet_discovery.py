@@ -66,13 +66,6 @@ def test_a_path_without_recordings_is_refused(archive: Path, path: str, text: st
         find_recordings([path])
 
 
-def test_pipes_are_no_recordings(archive: Path) -> None:
-    os.mkfifo('archive/robot_a/pipe.mcap')
-    assert 'archive/robot_a/pipe.mcap' not in names('archive')
-    with pytest.raises(RecordingError, match='no recording at archive/robot_a/pipe.mcap'):
-        names('archive/robot_a/pipe.mcap')
-
-
 def test_a_folder_that_cannot_be_read_is_found_with_its_error(
     archive: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -23,11 +23,6 @@ WORN = [report(4800.0 * 0.998**k + noise) for k, noise in enumerate(RNG.normal(0
 FRICTION = [report(4800.0, ['coulomb_friction'] if k >= 12 else []) for k in range(20)]
 
 
-def test_recordings_are_numbered_by_their_stamps() -> None:
-    late, early = group_of('a', [report(), report()])[::-1]
-    assert [entry.name for entry in in_time([late, early])] == [early.name, late.name]
-
-
 def test_trend_is_the_median_of_all_slopes_in_pairs() -> None:
     trend = next(one for one in trends(archive(b=WORN)) if one.quantity == 'stiffness')
     points = list(zip(trend.numbers.tolist(), trend.values.tolist()))
@@ -49,12 +44,6 @@ def test_change_is_found_at_the_first_recording_with_the_name() -> None:
     assert change.entry.name == 'c/run_12.mcap'
     assert (change.before, change.after) == ((0, 12), (8, 8))
     assert change.earliest == change.latest == 13
-
-
-def test_a_name_at_random_times_is_no_change() -> None:
-    named = np.random.default_rng(3).random(40) < 0.4
-    entries = archive(a=[report(4800.0, ['force_bias'] if one else []) for one in named])
-    assert changes(entries) == []
 
 
 def test_only_the_group_that_is_different_differs() -> None:

@@ -123,18 +123,6 @@ def test_an_interrupted_run_resumes_to_the_same_table(
     assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
 
 
-def test_an_unexpected_error_of_a_worker_is_a_row_and_not_kept(
-    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*arguments: object) -> None:
-        raise ValueError('a bug')
-
-    monkeypatch.setattr('contact_estimation.fleet.run.process', fail)
-    assert {entry.outcome['error'] for entry in run(recordings, tmp_path, InThisProcess()).entries
-            } == {'ValueError: a bug'}
-    assert list((tmp_path / 'finished').iterdir()) == []
-
-
 def test_pyarrow_that_does_not_fit_to_numpy_is_an_error_with_a_remedy(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -14,7 +14,6 @@ from axes_runs import (
     feed_axis,
     Instant,
     instants,
-    moved_instants,
     PARAMETERS,
     session_of_axes,
     session_of_axis,
@@ -89,26 +88,6 @@ def test_message_with_an_invalid_component_updates_no_axis() -> None:
             stamps = [r.sample.stamp_ns for r in results]
             assert all({e.stamp_ns for e in r.estimates} == {r.sample.stamp_ns} for r in results)
             assert field != 'forces' or SAMPLES[500].stamp_ns not in stamps, axis
-
-
-def test_after_time_was_set_back_and_with_missing_joints_each_is_as_if_alone() -> None:
-    # From contact into contact: what was filtered before the jump must not reach beyond it.
-    before = moved_instants(SAMPLES[:600], 3_000_000_000)
-    together, again = session_of_axes(), moved_instants(SAMPLES[420:600], 1_000_000_000)
-    results = feed_axes(together, before)
-    for k, (stamp_ns, positions, velocities, forces) in enumerate(again):
-        results += together.add_wrench(stamp_ns, *forces)
-        if k % 3:  # the others are interpolated
-            results += together.add_motion(stamp_ns, *positions, *velocities)
-    assert together.time_jumps == 1
-    for axis, given in estimates_by_axis(results).items():
-        session = session_of_axis(axis)
-        expected = feed_axis(session, [s.of_axis(axis) for s in before])
-        for k, sample in enumerate(s.of_axis(axis) for s in again):
-            expected += session.add_wrench(sample.stamp_ns, sample.force)
-            if k % 3:
-                expected += session.add_motion(*sample[:3])
-        assert repr(given) == repr([r.estimate for r in expected])
 
 
 def biased(samples: list[Instant], count: int) -> list[Instant]:

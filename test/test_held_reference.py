@@ -9,7 +9,6 @@ from math import floor
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.reference import held_at
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.open_loop import run_open_loop
@@ -22,22 +21,6 @@ Array = NDArray[np.float64]
 
 STEPS: Array = np.array([[0.0, 1.0, 3.0, 2.0, 2.0, 5.0]])
 STAMPS: Array = np.linspace(0.0, 0.2, 6)
-
-
-def staircase(t: Any) -> Any:
-    """Give the newest of STEPS."""
-    return STEPS[0][np.clip(np.searchsorted(STAMPS, t, side='right') - 1, 0, 5)]
-
-
-@pytest.mark.parametrize('period', [0.04, 0.01, 0.004])
-def test_lines_between_samples_have_the_areas_of_the_steps(period: float) -> None:
-    t = np.arange(0.0, 0.2 + 1e-9, period) + 0.5 * period
-    lines = held_at(t, STAMPS, STEPS)[0]
-    fine = np.arange(t[0], t[-1], 1e-6)
-    area = np.interp(fine, t, lines).mean()
-    assert area == pytest.approx(staircase(fine).mean(), abs=0.01)
-    between = np.abs(t[:, None] - STAMPS[None, :]).min(axis=1) > 0.51 * period
-    assert lines[between] == pytest.approx(staircase(t[between]))
 
 
 def recorded_with_hold(period: float, **changes: Any) -> Recording:

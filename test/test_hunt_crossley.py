@@ -64,13 +64,6 @@ def law_in(pipeline: EstimationPipeline) -> Any:
 
 
 @LAWS
-def test_law_is_recovered_from_motion_with_measured_velocity(
-    law: tuple[float, float, float]
-) -> None:
-    np.testing.assert_allclose(law_in(run(samples_of(law)))[:3], law, rtol=0.02)
-
-
-@LAWS
 def test_law_is_recovered_from_positions_alone(law: tuple[float, float, float]) -> None:
     samples = [s._replace(velocity=float('nan')) for s in samples_of(law)]
     np.testing.assert_allclose(law_in(run(samples))[:3], law, rtol=0.02)

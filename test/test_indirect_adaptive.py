@@ -70,12 +70,6 @@ def test_lyapunov_function_falls_in_every_noise_free_step(amplitude: float) -> N
     assert np.all(np.diff(values) <= 1e-12 * values[0])
 
 
-def test_paper_gains_find_the_wall_within_the_contact() -> None:
-    adaptive = estimator()
-    learn_all(adaptive, sine_rows(1650))
-    np.testing.assert_allclose(theta(adaptive), [K, B], rtol=0.01)
-
-
 def test_normalised_finds_a_stiff_wall_where_fixed_gains_starve() -> None:
     fixed, normalised = estimator(), estimator(normalised=True)
     for adaptive in (fixed, normalised):

@@ -211,20 +211,6 @@ def test_location_nan_takes_the_surface_at_the_first_touch(samples: list[Contact
     assert not {w.name for w in session.checks.warnings()} - {'surface_unchecked'}
 
 
-def test_a_contact_since_the_start_gives_no_estimate_of_a_wall_that_nobody_has_told() -> None:
-    _, estimates = fed(HEALTHY[300:], environment__location=nan)
-    assert all(isnan(axes[0].stiffness_std) for axes in estimates)
-
-
-def test_no_force_law_acts_before_the_surface_is_known() -> None:
-    session = ContactSession(build(EstimationParameters, {
-        'environment.location': nan, 'force_reference': 20.0}))
-    for stamp, x, v, F in HEALTHY[:300]:
-        session.add_motion(stamp, x, v)
-        (result,) = session.add_wrench(stamp, F)
-        assert result.reference is not None and np.isfinite(result.reference.position)
-
-
 def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
     session, _ = fed(HEALTHY[:400], at(0.4))
     done, _, changes = set_location(session)
@@ -250,19 +236,6 @@ def test_set_location_is_doubted_unless_the_tool_touches_lightly(
     assert (caution in message) if caution else ('caution' not in message)
 
 
-@pytest.mark.parametrize('estimator, name', [('kalman', 'joint_rate'), ('multiple_model', '')])
-def test_slow_joint_states_are_named_where_a_filter_is_designed_for_their_rate(
-    estimator: str, name: str
-) -> None:
-    session = ContactSession(build(EstimationParameters, {'estimator': estimator}))
-    for k, (stamp, x, v, F) in enumerate(HEALTHY):
-        if k % 10 == 0:
-            session.add_motion(stamp, x, v)
-        session.add_wrench(stamp, F)
-    assert headline(session)[0] == name
-    assert not name or 'come at 50 Hz' in headline(session)[1]
-
-
 def test_noise_far_above_the_configured_one_is_named() -> None:
     noise = np.random.default_rng(0).normal(0.0, 1.0, 1000).tolist()
     free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
@@ -286,16 +259,6 @@ def test_nothing_is_said_of_healthy_worlds_with_a_noisy_velocity(
     session, _ = fed(healthy_world(seed, velocity_noise).samples)
     found = {one.warned.name for one in session.checks.found_in_order()}
     assert found <= {'surface_unchecked', 'surface_shifted', 'model_fit'}
-
-
-@pytest.mark.parametrize('level', [20.0, 2.0, -2.0])
-def test_an_offset_of_the_sensor_is_told_before_the_first_touch(level: float) -> None:
-    noise = np.random.default_rng(0).normal(level, 0.6, 280)
-    flight = [ContactSample(2 * MILLISECOND * k, -0.02 + 1e-5 * k, 0.005, force)
-              for k, force in enumerate(noise.tolist())]
-    session, _ = fed(flight)
-    assert headline(session)[0] == 'force_bias'
-    assert float(headline(session)[1].split()[3]) == pytest.approx(level, abs=0.2)
 
 
 @pytest.mark.parametrize('first, text', [(0, 'relies on environment.location'),

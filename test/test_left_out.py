@@ -58,10 +58,3 @@ def test_a_law_is_predicted_and_has_the_same_value_on_every_part() -> None:
     assert share.interval[0] > 0.9 and (share.parts > 0.8).all()
     alone = [lawful.found.values_on(part).values[-1] for part in models.parts]
     assert alone == pytest.approx([FRICTION] * len(alone), rel=0.15)
-
-
-def test_parts_are_the_touches_and_do_not_overlap() -> None:
-    recording, base, _ = with_law('coulomb_friction')
-    parts = parts_of([recording], base)
-    assert len(parts) >= 3
-    assert np.sum([part.there for part in parts], axis=0).max() == 1

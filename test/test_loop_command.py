@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 import signal
 from typing import Any, NamedTuple
@@ -159,16 +158,6 @@ def test_interrupt_leaves_a_readable_recording(tmp_path: Path) -> None:
         assert_kept(tmp_path, process.end(), 'interrupted')
 
 
-@pytest.mark.slow
-def test_death_of_the_estimator_leaves_a_readable_recording(tmp_path: Path) -> None:
-    given = arguments(tmp_path, '--duration', '600')
-    with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:
-        wait_until(lambda: grown(tmp_path), 'a recording')
-        estimator = child(process.pid, 'estimator_node')
-        os.kill(estimator, signal.SIGKILL)
-        assert_kept(tmp_path, process.end(), 'estimator_node ended with signal SIGKILL')
-
-
 WRONG = [
     (['--experiment', 'sinus'], "did you mean 'sine'"),
     (['--experiment', 'nowhere.yaml'], 'cannot be read'),
@@ -198,19 +187,6 @@ def test_wrong_option_is_refused_before_anything_is_made(
 ) -> None:
     line = refusal(capfd, '--output', str(tmp_path / 'out'), *wrong)
     assert text in line
-    assert not (tmp_path / 'out').exists()
-
-
-def test_series_with_force_tracking_is_refused(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / 'parameters.yaml'
-    file.write_text(
-        'plant_node: {ros__parameters: {robot: {force_tracking: true}}}\n'
-        'estimator_node: {ros__parameters: {reference_law: series}}\n'
-    )
-    line = refusal(capfd, '--output', str(tmp_path / 'out'), '--params', str(file))
-    assert 'series' in line and 'force_tracking' in line
     assert not (tmp_path / 'out').exists()
 
 

@@ -16,7 +16,7 @@ from contact_estimation.ros.loop_configuration import (
 )
 from contact_estimation.ros.loop_figure import plot_run
 from contact_estimation.ros.loop_run import RecordedRun
-from contact_estimation.ros.loop_summary import disturbances, gap_explained, summarise
+from contact_estimation.ros.loop_summary import gap_explained, summarise
 import numpy as np
 import pytest
 
@@ -51,14 +51,6 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
 
 
-def test_summary_of_a_run_without_contact_has_no_estimates() -> None:
-    configuration = configure('sine')
-    run = RecordedRun(run_of(configuration).series)
-    summary = summarise(run, configuration)
-    assert summary['stiffness'] is None and summary['damping_error_percent'] is None
-    assert summary['samples_sent'] is None and summary['latency_ms'] is None
-
-
 @pytest.mark.parametrize('mean, law, explained', [
     (25.0, 25.5, True), (25.0, 30.0, False), (49.8, 49.8, False), (25.0, None, False),
 ])
@@ -67,15 +59,6 @@ def test_eq20_explains_a_gap_that_it_predicts(
 ) -> None:
     summary = {'mean_force_n': mean, 'desired_force_n': 50.0, 'eq20_force_n': law}
     assert gap_explained(summary) == explained
-
-
-def test_lost_samples_and_latency_over_two_cycles_disturb_a_run() -> None:
-    measured = {'samples_sent': 500, 'samples_lost': 3, 'samples_late': 7,
-                'latency_ms': {'max': 5.1}}
-    lost, late = disturbances(measured, 500.0)
-    assert lost == '3 of 500 samples dropped'
-    assert late == 'latency of 7 samples over two cycles (4 ms), up to 5.1 ms'
-    assert disturbances({**measured, 'samples_lost': 0}, 200.0) == []
 
 
 def test_figure_shows_signals_estimates_and_true_values() -> None:

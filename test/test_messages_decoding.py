@@ -11,22 +11,17 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import MessageError
 from contact_estimation.messages import (
-    decode_diagnostics,
     JointStateDecoder,
     SeveralJointsDecoder,
     TrajectoryDecoder,
     WrenchDecoder,
 )
-from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
 import numpy as np
 import pytest
 from reference_messages import (
     deserialized,
-    header,
     joint_state_bytes,
     JOINTS,
-    new,
-    serialized,
     TRAJECTORY,
     trajectory_bytes,
     WRENCH,
@@ -113,18 +108,6 @@ def test_trajectories_of_every_structure_agree_with_rosbags(foreign: Foreign) ->
             assert all(map(same, reading[1:], expected)), frame_length
 
 
-@pytest.mark.parametrize('frame_id', ['', 'base'])
-def test_diagnostics_are_read(frame_id: str) -> None:
-    values = [new('KeyValue', 'samples', '5'), new('KeyValue', 'reason', '')]
-    statuses = [new('DiagnosticStatus', level, f'/node: {level}', 'fine', 'sensor', values[level:])
-                for level in (0, 1, 2)]
-    array = new('DiagnosticArray', header(STAMP_NS, frame_id), statuses)
-    read = decode_diagnostics(serialized(array, DIAGNOSTICS_TYPE))
-    assert read == [
-        (0, '/node: 0', 'fine', {'samples': '5', 'reason': ''}),
-        (1, '/node: 1', 'fine', {'reason': ''}), (2, '/node: 2', 'fine', {})]
-
-
 def test_big_endian_is_read_alone_and_in_batches() -> None:
     raw = wrench_bytes((5, 0, 0), stamp_ns=3_000_000_004, frame_id='tool', little_endian=False)
     decoder = WrenchDecoder()
@@ -197,9 +180,3 @@ def test_message_cut_anywhere_is_malformed(decoder: Any, good: bytes) -> None:
             decoder.decode(good[:size])
         assert caught.value.reason == 'malformed'
     assert str(decoder.decode(good)) == str(expected)
-
-
-@pytest.mark.parametrize('head', [b'\x07\x07', b'\x00\x03', b'\x01\x00'])
-def test_other_encapsulations_are_malformed(head: bytes) -> None:
-    with pytest.raises(MessageError, match='expected plain CDR'):
-        WrenchDecoder().decode(head + wrench_bytes((1, 2, 3))[2:])

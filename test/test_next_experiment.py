@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Sequence
 
 from contact_estimation.diagnosis.conclude.candidates import candidates, Reach, scaling_test
-from contact_estimation.diagnosis.conclude.naming import advice
 from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
@@ -20,7 +19,6 @@ from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
-from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
 from contact_estimation.reference.experiment_file import experiment_text
 from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
@@ -120,15 +118,6 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
-@pytest.mark.parametrize('touching, again', [(True, 'contact'), (False, 'motion')])
-def test_advice_does_not_deny_what_is_named(touching: bool, again: str) -> None:
-    effects = diagnosed('friction').effects
-    text = advice(effects, [], 'unexplained', touching)
-    assert text.startswith('coulomb_friction explains only a part of this. Repeat the same '
-                           f'{again} at half and at twice the speed')
-    assert advice([], [], 'unexplained', touching).startswith('No effect of the library')
-
-
 def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
     proposal = choose(diagnosed('unknown'))
     assert proposal is not None
@@ -138,9 +127,3 @@ def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
     positions = {segment.position for segment in written(proposal.experiment, tmp_path).segments}
     assert positions == {reach.start, reach.position(reach.depth),
                          reach.position(0.5 * reach.depth)}
-
-
-def test_attached_environment_has_no_robot_to_play_an_experiment() -> None:
-    d = open_question()
-    wall = PlantParameters(environment=WallParameters(unilateral=False, inertia=1.0))
-    assert choose(replace(d, nominal=replace(d.nominal, nominal=wall))) is None

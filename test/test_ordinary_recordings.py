@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal
-from contact_estimation.diagnosis.observe.motion_error import quantisation_step
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.parts import continuous_parts
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
@@ -50,32 +49,6 @@ def test_a_pause_of_all_topics_makes_two_parts() -> None:
     parts = continuous_parts(Recording('file', cut), touches.nominal())
     assert [one.name for one in parts] == ['file, 0.0 to 2.0 s', 'file, 4.2 to 6.7 s']
     assert observe(parts[1].signals, touches.nominal()).t[0] == parts[1].signals.wrench_t[0] > 4.0
-
-
-@pytest.mark.parametrize('bend, parts', [(0.0, 1), (2.0, 2)])
-def test_a_brief_pause_divides_only_where_the_motion_bends(bend: float, parts: int) -> None:
-    t: Array = 0.01 * np.arange(4000.0)
-    x = 1e-4 * (t + bend * np.maximum(t - 20.3, 0.0))
-    kept = (t < 20.0) | (t > 20.7)
-    noise = 1e-3 * np.random.default_rng(1).normal(size=len(t))
-    signals = signals_of(t[kept], -1e4 * x[kept] + noise[kept], x[kept])
-    assert len(continuous_parts(Recording('file', signals), attached(stiffness=1e4))) == parts
-
-
-@pytest.mark.parametrize('tone, averaged', [(0.5, True), (200.0, False)])
-def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, averaged: bool) -> None:
-    t: Array = 0.001 * np.arange(80_000.0)
-    x = 1e-3 * np.sin(2.0 * np.pi * tone * t)
-    noise = np.random.default_rng(1).normal(size=len(t))
-    whole = signals_of(t, -1e4 * x + 0.05 * noise, x + 1e-6 * noise[::-1])
-    (part,) = continuous_parts(Recording('file', whole), attached(stiffness=1e4))
-    assert len(part.signals.force) == (20_000 if averaged else 66_000)
-
-
-def test_step_of_rounded_positions_is_found() -> None:
-    x = np.cumsum(np.random.default_rng(1).normal(size=2000)) * 1e-3
-    assert quantisation_step(np.round(x / 1e-4) * 1e-4) == pytest.approx(1e-4)
-    assert quantisation_step(x) == 0.0
 
 
 @pytest.mark.slow

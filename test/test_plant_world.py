@@ -54,12 +54,6 @@ def test_bare_arm_under_a_constant_push_follows_the_closed_form() -> None:
     np.testing.assert_allclose(got, expected, atol=1e-10)
 
 
-def test_free_robot_follows_a_reference_with_derivatives_exactly() -> None:
-    truths = simulate(700, plant_with(environment__location=1.0))
-    expected = [other.reference_at(t)[0] for t in T]
-    np.testing.assert_allclose(positions_of(truths), expected, atol=1e-10)
-
-
 def test_contact_is_that_of_an_integration_with_events() -> None:
     assert_same_motion(None)
 
@@ -89,26 +83,10 @@ def test_bilateral_wall_pulls_as_a_linear_system() -> None:
     assert max(t.force for t in truths) > 5.0
 
 
-def test_force_tracking_adds_the_wanted_force() -> None:
-    tracking = plant_with(robot__force_tracking=True, environment__location=1.0)
-    last = simulate(2000, tracking, lambda t: (0.0, 0.0, 0.0, 50.0), 0.0)[-1]
-    assert last.position == pytest.approx(50.0 / 5000.0, rel=1e-6)
-
-
 def test_touch_down_on_an_inert_wall_is_no_impulse() -> None:
     truths = simulate(len(T), plant_with(environment__inertia=8.0))
     speed_changes = np.abs(np.diff([t.velocity for t in truths]))
     assert np.max(speed_changes) < 0.01
-
-
-def test_world_can_be_changed_while_it_runs() -> None:
-    world = World(plant_with(), 0.0)
-    for stiffness in (4800.0, 9600.0):
-        world.configure(plant_with(environment__stiffness=stiffness))
-        for _ in range(1000):
-            world.advance(0.002, hold)
-        expected = -50.0 * stiffness / (stiffness + 5000.0)
-        assert world.truth(hold).force == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize('name', ['viscoelastic_relaxation', 'environment_resonance',

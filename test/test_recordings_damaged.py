@@ -61,23 +61,6 @@ def test_garbage_anywhere_is_survived(tmp_path: Path, chunked: Any, change: Any)
         reader.metadata(), reader.topics()
 
 
-def test_damaged_summary_is_replaced_by_reading(tmp_path: Path) -> None:
-    path = plain_file(tmp_path / 'a.mcap')
-    content = bytearray(path.read_bytes())
-    content[-400:-300] = bytes(100)
-    path.write_bytes(content)
-    reader = RecordingReader(path)
-    assert len(reader.topics()) == 2
-    assert numbers(reader) == list(range(300))
-
-
-def test_damaged_database_names_the_conversion(tmp_path: Path) -> None:
-    (tmp_path / 'bag_0.db3').write_bytes(b'SQLite format 3\0' + bytes(100))
-    for path in (tmp_path, tmp_path / 'bag_0.db3'):
-        with pytest.raises(RecordingError, match='rosbags cannot read .* ros2 bag convert'):
-            RecordingReader(path)
-
-
 @pytest.mark.parametrize('content, text', [
     (b'', 'is empty'),
     (b'just some text', 'no MCAP file: expected .* got'),

@@ -13,7 +13,7 @@ from typing import Any
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.recordings import RecordingReader, RecordingWriter
-from mcap.writer import CompressionType, IndexType
+from mcap.writer import CompressionType
 from mcap_files import numbers, plain_file, STRING
 import pytest
 
@@ -40,17 +40,6 @@ def test_every_kind_of_file_is_read(
     assert numbers(reader, ['odd']) == list(range(1, 300, 2))
     assert reader.metadata() == {'parameters': {'a': '1'}}
     assert (reader.truncated, reader.damaged_chunks, reader.progress) == (not finish, 0, 1.0)
-
-
-def test_file_without_any_index_is_read(tmp_path: Path) -> None:
-    path = plain_file(tmp_path / 'a.mcap', index_types=IndexType.NONE, use_statistics=False,
-                      use_summary_offsets=False, repeat_channels=False, repeat_schemas=False)
-    reader = RecordingReader(path)
-    assert len(reader.topics()) == 2
-    assert reader.metadata() == {'parameters': {'a': '1'}}
-    assert numbers(reader) == list(range(300))
-    assert (reader.start_ns, reader.end_ns) == (0, 299)
-    assert not reader.truncated
 
 
 @pytest.mark.slow
@@ -82,14 +71,6 @@ def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path: Path) -> None:
     assert numbers(RecordingReader(folder)) == [*range(10), *range(20)]
 
 
-def test_folder_that_lacks_a_listed_file_is_refused(tmp_path: Path) -> None:
-    with RecordingWriter.folder(tmp_path / 'run'):
-        pass
-    (tmp_path / 'run' / 'run_0.mcap').unlink()
-    with pytest.raises(RecordingError, match='lacks run_0.mcap'):
-        RecordingReader(tmp_path / 'run')
-
-
 def test_missing_and_empty_places_are_named(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='does not exist'):
         RecordingReader(tmp_path / 'nowhere')
@@ -102,14 +83,6 @@ def test_missing_topic_lists_those_that_are_there(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='has no topic /wrench; it has: /even .*/odd') as e:
         reader.messages(['wrench', 'odd'])
     assert '--topic wrench:=/name' in str(e.value)
-
-
-def test_similar_topic_is_suggested(tmp_path: Path) -> None:
-    path = tmp_path / 'a.mcap'
-    with RecordingWriter.file(path) as writer:
-        writer.write('/fts/wrench', STRING, b'', 0)
-    with pytest.raises(RecordingError, match='--topic wrench:=/fts/wrench'):
-        RecordingReader(path).messages(['wrench'])
 
 
 def test_reading_imports_neither_estimators_nor_rosbags() -> None:

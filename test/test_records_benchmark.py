@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.benchmarks.record_score import class_of
-from contact_estimation.benchmarks.record_table import as_markdown, Row
-from contact_estimation.benchmarks.records import find_records, main
+from contact_estimation.benchmarks.records import find_records
 from contact_estimation.exceptions import RecordingError
 import pytest
 
@@ -62,32 +61,3 @@ def test_wrong_truth_is_refused_before_any_diagnosis(
     (tmp_path / 'a.truth.json').write_text(content)
     with pytest.raises(RecordingError, match=message):
         find_records(tmp_path)
-
-
-def test_bad_arguments_are_errors_on_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for arguments, message in (([], 'must hold records'), (['--jobs', '0'], '--jobs must be')):
-        assert main([str(tmp_path), *arguments]) == 1
-        error = capsys.readouterr().err
-        assert error.startswith('benchmarks.records: ') and error.count('\n') == 1
-        assert message in error
-
-
-def test_table_has_a_row_for_each_record_and_counts_classes() -> None:
-    effect = {'name': 'coulomb_friction', 'share': 0.81, 'share_interval': [0.74, 0.86]}
-    alone = {**effect, 'share_interval': [None, None], 'share_beside_zeros': 0.64}
-    text = as_markdown([
-        Row('a', 'x|y', 'physics_missing', [effect], 'right alone', 0.2, 0.05, '', 12.3),
-        Row('b', '', 'unexplained', [alone], '', None, None, '', 1.0),
-        Row('c', '', '', [], 'failed', None, None, 'no contact', 1.0),
-    ])
-    lines = text.splitlines()
-    assert len({line.replace('\\|', '').count('|') for line in lines[:5]}) == 1
-    assert lines[2] == ('| a | x\\|y | physics missing | `coulomb_friction` 81 % (74 to 86 %) | '
-                        'right alone | 20 → 5 % | 12 |')
-    assert lines[3] == ('| b |  | unexplained | `coulomb_friction` 81 %, 64 % of what the zeros '
-                        'leave | - | - | 1 |')
-    assert '| no contact | failed |' in lines[4]
-    assert lines[6:] == ['3 records, 2 with a known truth: right alone 1 (50 %), failed 1 (50 %).',
-                         'Processor time: 14 s.']

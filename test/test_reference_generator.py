@@ -8,8 +8,6 @@ from __future__ import annotations
 from math import nan
 from typing import Any, Callable
 
-from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.reference.excitation import PseudoRandomBinary
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
@@ -67,29 +65,6 @@ def test_feed_forward_of_a_sine_is_its_first_derivative() -> None:
     points = play(generator(), 0, 2000)[1000:]
     expected = [160.0 * np.cos(20.0 * T * k) / K for k in range(1000, 2000)]
     np.testing.assert_allclose([p.velocity for p in points], expected, atol=0.03 * 160.0 / K)
-
-
-def test_steps_of_the_force_have_no_feed_forward() -> None:
-    prbs = PseudoRandomBinary(8.0)
-    points = play(generator(), 0, 2000, lambda t: 50.0 + prbs.value(t))[1000:]
-    limited = [a != b for a, b in zip(points, points[1:])]
-    rates = {p.velocity for p, moved in zip(points[1:], limited) if not moved}
-    assert rates == {0.0}
-
-
-def test_offset_after_contact_loss_fades_out_within_its_time() -> None:
-    of = generator()
-    play(of, 0, 1000)
-    points = play(of, 1000, 1110, contact=False)
-    assert abs(points[90].position - 0.0204) > 1e-6
-    assert points[102].position == 0.0204
-
-
-def test_double_tracking_is_refused_live_and_changes_nothing() -> None:
-    of, same = generator(), generator()
-    with pytest.raises(ParameterRangeError, match='force_tracking'):
-        of.configure('series', ReferenceParameters(robot_force_tracking=True))
-    assert play(of, 0, 100) == play(same, 0, 100)
 
 
 @pytest.mark.slow

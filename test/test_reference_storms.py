@@ -74,15 +74,6 @@ def test_false_stamps_are_counted_and_only_a_clock_that_stays_is_followed(
     assert session.last_stamp_ns == loop.now_ns
 
 
-@pytest.mark.parametrize('seed', range(8))
-def test_a_true_clock_is_followed_again_after_any_storm(seed: int) -> None:
-    # A stamp that was ahead by less than time_jump_s has passed by then.
-    loop, mild = HostileLoop(seed), drawn(np.random.default_rng(seed), 100, 0.5)
-    loop.run([e for e in mild if e.kind not in ('change', 'withhold')])
-    loop.run([Event('plain')] * (round(0.5 / T) + CONFIRMING))
-    assert loop.session.last_stamp_ns == loop.now_ns
-
-
 def pressed(force: float = 30.0) -> tuple[ContactSession, list[Result], int]:
     """Press the wall; return the session, its results, and the stamp after them."""
     session = ContactSession(build(EstimationParameters, {'force_reference': force}))
@@ -111,21 +102,6 @@ def test_after_a_clock_jump_the_reference_goes_on_from_the_last() -> None:
     x_r = positions([before[-1], *after])
     assert session.time_jumps == 1 and len(after) == 9
     assert max(np.abs(np.diff(x_r))) <= SPEED * T * (1.0 + 1e-9)
-
-
-@pytest.mark.parametrize('size', [2, 8])
-def test_wrenches_in_bursts_do_not_slow_the_reference_down(size: int) -> None:
-    # As of a USB latency timer; the joints are in time.
-    session, results = ContactSession(EstimationParameters()), list[Result]()
-    session.add_desired(1, Desired(1.0, 0.0, 0.0, nan))
-    for burst in range(100):
-        stamps = [1 + k * PERIOD_NS for k in range(burst * size, (burst + 1) * size)]
-        for stamp_ns in stamps:
-            session.add_motion(stamp_ns, 0.0, 0.0)
-        for stamp_ns in stamps:
-            results += session.add_wrench(stamp_ns, 0.0)
-    x_r = positions(results)
-    assert x_r[-1] - x_r[-1 - 10 * size] == pytest.approx(SPEED * T * 10 * size, rel=1e-3)
 
 
 def test_the_reach_from_a_surface_found_stays_until_a_reset() -> None:

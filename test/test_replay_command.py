@@ -76,17 +76,6 @@ def test_csv_has_one_row_per_sample_with_exact_numbers(
         assert status == estimate.status.value
 
 
-def test_nothing_estimated_has_a_reason(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    limited = tmp_path / 'limited.yaml'
-    limited.write_text('estimator_node:\n  ros__parameters:\n'
-                       '    physics: {force_saturation: {limit: 3.0}}\n')
-    done = command(recording, '--params', limited)
-    assert done.code == 1
-    assert 'could be used (' in done.err and 'end of the range of the sensor' in done.err
-
-
 def test_json_has_the_documented_keys(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -141,28 +130,6 @@ def test_what_may_be_a_recording_is_never_overwritten(
     assert not (tmp_path / name).exists() or (tmp_path / name).read_bytes() == content
 
 
-def test_section_for_an_unknown_node_is_refused(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    parameters = tmp_path / 'parameters.yaml'
-    parameters.write_text('estimater_node: {ros__parameters: {estimator: rls}}')
-    assert "did you mean 'estimator_node'?" in command.refusal(
-        recording, '--params', parameters
-    )
-
-
-def test_estimator_and_parameters_can_be_chosen(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    file = tmp_path / 'parameters.yaml'
-    file.write_text(
-        'estimator_node: {ros__parameters: {axis: x, tuning: {rls: {forgetting_factor: 1.0}}}}'
-    )
-    ended = command(recording, '--estimator', 'rls', '--params', file)
-    assert ended.code == 0
-    assert ended.out.startswith(f'rls: {len(SAMPLES)} samples')
-
-
 def test_topics_and_axis_can_be_chosen(tmp_path: Path, command: Command) -> None:
     path = write_recording(tmp_path / 'a.mcap', '/fts/wrench', '/robot/joints', axis=2)
     ended = command(
@@ -209,14 +176,6 @@ BAD_FILES = {
     'empty.mcap': b'', 'garbage.mcap': bytes(range(256)) * 20, 'text.mcap': b'hello\n',
     'zeros.mcap': bytes(10_000),
 }
-
-
-@pytest.mark.parametrize('name', BAD_FILES)
-def test_file_that_is_not_a_recording_is_refused_by_name(
-    tmp_path: Path, command: Command, name: str
-) -> None:
-    (tmp_path / name).write_bytes(BAD_FILES[name])
-    assert name in command.refusal(tmp_path / name)
 
 
 WRONG = [

@@ -13,18 +13,12 @@ from typing import Any
 from blind_worlds import EXPERIMENT, ROBOT, WALL, WORLD
 from contact_estimation.blind_trials.nuisances import Nuisances
 from contact_estimation.blind_trials.rig import Rig, simulate_rig
-from contact_estimation.blind_trials.rig_trial import (
-    draw_rig_trial,
-    magnitudes_of,
-    MAX_DEGREE,
-    MIN_DEGREE,
-)
+from contact_estimation.blind_trials.rig_trial import draw_rig_trial, magnitudes_of
 from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.study import plan_study
 from contact_estimation.blind_trials.trial_files import TrialFiles, write_rig_trial
 from contact_estimation.blind_trials.worlds import SensorModel
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
+from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.plant.plant_parameters import WallParameters
 import numpy as np
 import pytest
@@ -50,42 +44,13 @@ def test_a_rig_without_nuisances_and_law_moves_as_the_plant() -> None:
     assert np.sqrt(np.mean((rig.force[::4] - plant.force) ** 2)) < 0.02
 
 
-@pytest.mark.parametrize('name', ['flexible_mount', 'flexible_joint'])
-def test_a_compliance_is_in_series_with_the_wall(name: str) -> None:
-    run = run_of(RIG, name, mass=1.0, stiffness=12000.0, damping=40.0)
-    resting = (run.force < -20.0) & (np.abs(run.v) < 1e-5)
-    assert np.any(resting)
-    stiffness = -run.force[resting] / run.x[resting]
-    expected = 1.0 / (1.0 / 4000.0 + 1.0 / 12000.0)
-    assert np.median(stiffness) == pytest.approx(expected, rel=1e-3)
-
-
 # -- nuisances --------------------------------------------------------------------------------
 
 
 # -- degree -----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_a_law_stands_out_two_to_ten_times() -> None:
-    for name in ALL_LAWS:
-        trial = draw_rig_trial(name, np.random.default_rng(6))
-        assert trial.rig.stage in ALL_LAWS[name].stages, name
-        assert 0.6 * MIN_DEGREE < trial.degree < 1.5 * MAX_DEGREE, name
-
-
 # -- plan and files ---------------------------------------------------------------------------
-
-
-def test_every_ninth_rig_is_clean_and_laws_come_evenly() -> None:
-    rigs, others = 9 * len(FOREIGN_LAWS) // 8, len(UNKNOWN_LAWS)
-    trials = plan_study(0, 0, 5, unknown=others, foreign=rigs)
-    unknown, foreign = trials[:others], trials[others:]
-    assert [t.effect for t in foreign].count('') == rigs // 9
-    assert sorted(t.effect for t in foreign if t.effect) == sorted(FOREIGN_LAWS)
-    assert sorted(t.effect for t in unknown) == sorted(UNKNOWN_LAWS)
-    assert all(t.on_rig for t in trials)
-    assert plan_study(0, 0, 5, unknown=3, foreign=9)[3:] == foreign[:9]
 
 
 def written(folder: Path, law: str, stage: str) -> tuple[TrialFiles, dict[str, Any]]:

@@ -76,11 +76,6 @@ def test_recursion_equals_batch_weighted_least_squares(forgetting: float) -> Non
     np.testing.assert_allclose(last, expected, rtol=1e-5)
 
 
-def test_noise_free_data_give_stiffness_damping_and_inertia() -> None:
-    (*_, last) = learn_all(estimator(), signals(1500))
-    np.testing.assert_allclose(last, [K, B, M], rtol=0.01)
-
-
 def test_covariance_does_not_wind_up_without_excitation() -> None:
     rls = estimator()
     learn_all(rls, signals(400, noise=0.5), 0.25)

@@ -5,12 +5,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.robot_compliance import (
-    of_the_wall,
-    RobotParameters,
-    seen_by_the_robot,
-)
-from contact_estimation.estimators.estimate import ParameterEstimate
+from contact_estimation.estimation.robot_compliance import RobotParameters
 from core_runs import contact_samples, estimates_of, pipeline_with
 import pytest
 
@@ -33,10 +28,3 @@ def test_the_estimate_is_that_of_the_wall_behind_a_compliant_robot(K_e: float) -
     assert plain.stiffness == pytest.approx(K_e / (1.0 + C * K_e), rel=3e-3)
     assert known.stiffness == pytest.approx(K_e, rel=3e-3)
     assert known.damping == pytest.approx(K_e * 2e-3, rel=0.1)
-
-
-def test_the_reference_uses_the_stiffness_between_measured_position_and_force() -> None:
-    robot = RobotParameters(compliance=C)
-    wall = of_the_wall(ParameterEstimate(2e4, 0.0, 0.0, 0.0, 0.0, 0.0), robot)
-    assert seen_by_the_robot(wall.stiffness, robot) == pytest.approx(2e4)
-    assert seen_by_the_robot(2e4, RIGID) == 2e4

@@ -16,14 +16,7 @@ from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
 from ros_listener import Listener
-from ros_messages import (
-    DiagnosticArray,
-    JointState,
-    String,
-    to_stamp,
-    Vector3Stamped,
-    WrenchStamped,
-)
+from ros_messages import JointState, String, to_stamp, Vector3Stamped, WrenchStamped
 from ros_peer import ESTIMATES, WINDOW
 from ros_processes import node_process
 from small_arm import JOINTS, pose, urdf
@@ -169,17 +162,3 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
     first = min(published)  # the node may know the peer's wrenches before the peer hears it
     assert {stamp: x for stamp, x in again.items() if stamp >= first} == published
-
-
-# After all that replays the recording: the node goes on with the description it started with.
-def test_another_description_while_running_is_a_warning(run: tuple[ArmPeer, int]) -> None:
-    peer, _ = run
-    peer.listen('diagnostics', DiagnosticArray, '/diagnostics')
-
-    def told() -> bool:
-        return any('has changed and is not used; start the node again' in pair.value
-                   for message in peer.heard['diagnostics'].values()
-                   for status in message.status for pair in status.values)
-
-    peer.description.publish(String(data=urdf().replace('small_arm', 'large_arm')))
-    peer.spin_until(told, 'the warning')

@@ -20,7 +20,6 @@ from ros_messages import (
     JointTrajectory,
     moved,
     session_results,
-    stamp_of,
     to_stamp,
     trajectory,
     wrench,
@@ -105,17 +104,6 @@ def test_bad_message_is_counted_and_changes_nothing(
     assert list(peer.values('stiffness').values()) == expected
 
 
-def test_rejected_samples_make_the_diagnostics_warn(peer: Peer) -> None:
-    samples = moved(TOUCH, peer.begin_ns)
-    peer.feed(samples[:5])
-    peer.heard['diagnostics'].clear()
-    peer.wrenches.publish(wrench(samples[4].stamp_ns + MILLISECOND, nan))
-    peer.diagnosed(
-        lambda status, _: status.level == DiagnosticStatus.WARN and 'rejected' in status.message,
-        'a warning', fresh=False,
-    )
-
-
 def test_time_set_back_restarts_and_keeps_stiffness(peer: Peer) -> None:
     samples = moved(LONG, peer.begin_ns)
     jumps = peer.figures()['time_jumps']
@@ -174,10 +162,3 @@ def test_diagnostics_carry_the_figures_of_the_contract(peer: Peer) -> None:
         'rate_hz', 'missing', 'latency_ms_p50', 'status',
     } <= set(figures)
     assert float(figures['stiffness']) == pytest.approx(4800.0, rel=0.01)
-
-
-def test_diagnostics_are_stamped_with_the_time_of_day(peer: Peer) -> None:
-    peer.heard['diagnostics'].clear()
-    peer.spin_until(lambda: len(peer.heard['diagnostics']) >= 2, 'two reports')
-    first, second = list(peer.heard['diagnostics'].values())[:2]
-    assert 0 < stamp_of(second.header.stamp) - stamp_of(first.header.stamp)

@@ -91,14 +91,6 @@ def test_laws_of_the_wall_are_published_on_change_and_stand_in_the_diagnostics(
     assert peer.figures()['wall_law'].startswith('kelvin_voigt ')
 
 
-def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:
-    samples = moved(TOUCH, peer.begin_ns)
-    peer.feed(samples)
-    assert list(peer.references) == [sample.stamp_ns + PERIOD_NS for sample in samples]
-    shapes = {(*m.joint_names, len(m.points)) for m in peer.references.values()}
-    assert shapes == {('contact_axis', 1)}
-
-
 def feed_in_time(peer: Peer, samples: list[ContactSample]) -> None:
     """Feed one after the other: x_r goes on from test to test, and in bursts it moves less."""
     peer.feed(samples[:CONFIRMING])
@@ -145,16 +137,6 @@ def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
     assert max(b - a for a, b in zip(stamps, stamps[1:])) <= 2 * PERIOD_NS
     assert stiffness[samples[600].stamp_ns] == before
     assert stiffness[stamps[-1]] == pytest.approx(K_E, rel=0.02)
-
-
-def test_reset_goes_back_to_the_first_guess(peer: Peer) -> None:
-    samples = moved(LONG, peer.begin_ns)
-    peer.feed(samples[:600])
-    assert peer.values('stiffness')[samples[599].stamp_ns] > 3500.0
-    answer = peer.trigger('reset')
-    peer.feed(samples[600:601])
-    assert answer.success and 'initial values' in answer.message
-    assert peer.values('stiffness')[samples[600].stamp_ns] == 3000.0
 
 
 def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:

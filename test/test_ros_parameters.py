@@ -9,7 +9,6 @@ from math import isfinite, isnan, nan
 from typing import Any, Iterator
 
 from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.parameters.specification import ParameterSpecification, specifications
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 from effect_examples import switched_on
@@ -145,20 +144,6 @@ def test_values_out_of_range_are_refused_by_name(
     for name, result in zip(values, peer.set(values)):
         assert not result.successful, name
         assert name in result.reason
-
-
-def test_unknown_estimator_is_refused_with_the_known_names(peer: Peer) -> None:
-    result = peer.set({'estimator': 'kalmann'})[0]
-    assert not result.successful
-    assert "did you mean 'kalman'" in result.reason
-    assert all(name in result.reason for name in ESTIMATORS)
-
-
-def test_force_tracking_under_series_is_refused(peer: Peer) -> None:
-    peer.change(reference_law='series')
-    result = peer.set({'reference.robot_force_tracking': True})[0]
-    assert not result.successful
-    assert 'series' in result.reason
 
 
 def test_refused_change_leaves_the_estimation_as_it_was(peer: Peer) -> None:

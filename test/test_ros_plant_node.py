@@ -165,21 +165,6 @@ def test_force_in_the_effort_presses_a_robot_that_tracks_force(
     assert user.forces()[-1] == pytest.approx(-49.0 * 4800.0 / 9800.0, rel=0.01)
 
 
-def test_plant_waits_for_the_subscribers_it_is_told_of(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=2
-    ) as process:
-        user.spin_until(lambda: user.node.count_publishers('wrench'), 'the plant')
-        assert not user.heard['wrench']
-        late = RobotUser()
-        late.hear_to_the_end(process, 50)
-        user.spin_until(lambda: len(user.heard['wrench']) == 50, 'all samples')
-    assert list(late.heard['wrench']) == list(user.heard['wrench'])
-    late.close()
-
-
 def test_interrupt_ends_the_plant_and_keeps_its_summary(
     tmp_path: Path, user: RobotUser, still: str
 ) -> None:

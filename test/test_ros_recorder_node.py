@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy as Reliability
 from ros_listener import Listener
 from ros_messages import wrench, WrenchStamped
 from ros_peer import estimator_and_peer, PERIOD_NS, WINDOW
-from ros_processes import node_process, parameter_arguments, run_module, wait_until
+from ros_processes import node_process, wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -101,18 +101,6 @@ def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
         assert process.end().code == 0
     reliable.close()
     other.close()
-
-
-def test_existing_output_folder_is_refused(tmp_path: Path) -> None:
-    folder = tmp_path / 'recording'
-    folder.mkdir()
-    (folder / 'precious.txt').write_text('mine')
-    finished = run_module(
-        tmp_path / 'log', 'ros.recorder_node', *parameter_arguments({'output': folder})
-    )
-    assert (finished.code, len(finished.stderr.strip().splitlines())) == (1, 1)
-    assert 'never overwritten' in finished.stderr
-    assert [path.name for path in folder.iterdir()] == ['precious.txt']
 
 
 def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path) -> None:

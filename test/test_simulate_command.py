@@ -136,20 +136,6 @@ def test_recording_without_reference_is_refused_for_a_unilateral_wall(
     assert 'has no reference_trajectory' in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('args, text', [
-    (['--experiment', 'sinus'], "did you mean 'sine'"),
-    (['--like', 'nowhere.mcap'], 'nowhere.mcap'),
-    (['--experiment', 'sine', '--seed', '-1'], '--seed must be >= 0'),
-])
-def test_request_that_cannot_be_met_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], args: list[str], text: str
-) -> None:
-    output = ['--output', str(tmp_path / 'a.mcap')]
-    assert main(['--model', model_file(tmp_path, seed=1), *args, *output]) == 1
-    error = capsys.readouterr().err
-    assert text in error and error.count('\n') == 1
-
-
 def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / 'a.mcap').write_text('precious')
     args = ['--model', model_file(tmp_path, seed=1), '--experiment', 'sine']

@@ -15,7 +15,6 @@ from contact_estimation.benchmarks.matrix_study import make_world, score_of
 from contact_estimation.commands import replay
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
-    MatrixEstimate,
     principal_table,
     StiffnessMatrix,
     StiffnessMatrixParameters,
@@ -33,11 +32,6 @@ T = 0.002 * np.arange(1500)
 MATRIX = {'matrix_estimator': 'stiffness_matrix'}
 
 
-def turned(seed: int) -> np.ndarray:
-    """Return three orthonormal columns."""
-    return np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
-
-
 def samples_of(
     K: np.ndarray, B: np.ndarray, seed: int, noise: float = 0.3, with_velocity: bool = True
 ) -> list[AxesSample]:
@@ -53,12 +47,6 @@ def samples_of(
               for i in range(3))
         for k in range(len(T))
     ]
-
-
-def estimate_of(samples: list[AxesSample]) -> MatrixEstimate:
-    """Estimate from samples that are all in contact."""
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
-    return estimator.process(samples, [True] * len(samples))[-1]
 
 
 def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
@@ -81,22 +69,6 @@ def test_deviations_hold_behind_lagging_sensors(friction: float) -> None:
     assert np.mean([score.B_inside for score in scores]) >= 0.85
     assert max(score.K_error for score in scores) < 0.05
     assert {score.told for score in scores} == {float(friction > 0.0)}
-
-
-def test_friction_is_told_and_taken_from_stiffness_and_normal() -> None:
-    world = make_world(3, 0.3, 1, 2.0)
-    found = study_estimate(world)
-    assert found.reason.startswith('friction along the wall: mu = 0.3 +- ')
-    assert abs(found.friction - 0.3) < 2.0 * found.friction_std < 0.02
-    assert np.arccos(abs(found.normal @ world.normal)) < 0.002
-
-
-def test_principal_directions_and_normal_are_those_of_the_wall() -> None:
-    q = turned(4)
-    found = estimate_of(samples_of(q @ np.diag(STIFFNESSES) @ q.T, 0.01 * np.eye(3), 4))
-    angles = np.arccos(np.abs(np.sum(found.directions * q.T, axis=1)))
-    assert (angles < 4.0 * found.direction_std).all() and (found.direction_std < 0.01).all()
-    assert np.arccos(abs(found.normal @ q[:, 0])) < 0.02
 
 
 def test_replay_gives_the_matrices_of_the_session(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from concealed_worlds import diagnosed, named, prepared_from, recorded
+from concealed_worlds import diagnosed, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.surfaces import Surfaces, surfaces_of
 from contact_estimation.diagnosis.observe.signals import Signals
@@ -71,9 +71,3 @@ def test_an_object_that_is_moved_is_told_and_its_wall_found() -> None:
     check, = (one for one in found.checks if one.name == 'wall_location')
     assert not check.ok and not check.fatal
     assert 'in 3 contacts, expected at one place' in check.text
-
-
-def test_what_a_moved_object_hides_is_named() -> None:
-    found = of_moved(('physics__coulomb_friction__F_c', 3.0))
-    assert named(found) == ['coulomb_friction']
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(3.0, rel=0.02)

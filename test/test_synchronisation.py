@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import inf, isnan, nan
+from math import inf, nan
 
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.synchronisation import SynchronisationParameters, Synchroniser
@@ -58,13 +58,6 @@ def test_wrench_waits_for_a_joint_sample_at_or_after_it() -> None:
     assert not list(of.add_wrench(MS, (0.0,)))
     ((sample,),) = of.add_motion(2 * MS, (1.0, 0.0))
     assert sample.stamp_ns == MS
-
-
-def test_velocity_that_is_not_finite_is_unknown_and_the_sample_kept() -> None:
-    of = synchroniser()
-    of.add_motion(0, (1.0, inf))
-    ((sample,),) = of.add_wrench(0, (0.0,))
-    assert isnan(sample.velocity) and sample.position == 1.0
 
 
 @pytest.mark.parametrize('kind', ['wrench', 'joint'])

@@ -113,13 +113,6 @@ def test_table_that_is_not_understood_says_how_to_choose(
         ce.read_table(tmp_path / 'a.csv', **options)
 
 
-@pytest.mark.parametrize('name', ['a.csv', 'a.parquet', 'a.mat'])
-def test_damaged_table_is_one_line(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(b'\x00garbage' * 9)
-    with pytest.raises(ce.ContactEstimationError, match=f'table .*{name}'):
-        ce.read_table(tmp_path / name)
-
-
 def test_bag_to_csv_to_bag_gives_the_same_estimates(
     recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -81,8 +81,3 @@ def test_tare_or_declared_bias_silences_the_warning(
     if '--tare' in options:
         assert summary['tare']['x']['force'] == pytest.approx(8.0, abs=0.01)
         assert 'tare: 8 N subtracted from the force' in ended.out
-
-
-def test_diagnosis_takes_the_tared_force(untared: Path) -> None:
-    as_recorded, tared = (ce.read_recording(untared, tare=tare) for tare in ('', FIRST))
-    np.testing.assert_allclose(as_recorded.signals.force - tared.signals.force, 8.0, atol=0.01)

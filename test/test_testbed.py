@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.estimators.offline_estimator import TargetImpedance
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -17,7 +16,6 @@ from contact_estimation.reproduction.testbed_constants import (
     TESTBED,
     TestbedConstants,
 )
-from contact_estimation.reproduction.testbed_identification import identify_arm
 from contact_estimation.reproduction.testbed_runs import TRACKING_TARGET
 from contact_estimation.reproduction.testbed_sensors import PaperAcquisition
 from contact_estimation.reproduction.testbed_wall import moved, pressing_force, WallState
@@ -56,14 +54,6 @@ def test_ideal_arm_moves_as_the_plant_under_eq_1() -> None:
     force, deflection = np.array(press(fast, 0.02, 0.5)).T
     np.testing.assert_allclose(force, [truth.force for truth in truths], atol=0.1)
     np.testing.assert_allclose(deflection, [truth.position for truth in truths], atol=2e-5)
-
-
-def test_identified_impedance_of_an_ideal_arm_is_the_target(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr('contact_estimation.reproduction.testbed_runs.TESTBED', IDEAL)
-    arm = identify_arm(TargetImpedance(), 0)
-    assert (arm.mass, arm.damping) == pytest.approx((20.0, 50.0), rel=0.06)
 
 
 def test_slow_cycle_dissipates_twice_friction_times_stroke() -> None:

@@ -45,16 +45,6 @@ def test_mass_matrix_gives_the_kinetic_energy_of_the_bodies() -> None:
     assert energy == pytest.approx(kinetic_energy(ArmConstants(), ANGLES, RATES), rel=1e-12)
 
 
-def test_accelerations_satisfy_the_equations_of_motion() -> None:
-    arm, torques, force = PlanarArm(ArmConstants()), (1.0, -2.0, 0.5), -30.0
-    accelerations = arm.accelerations(ANGLES, RATES, torques, force)
-    net = np.array(torques) - arm.joint_friction(RATES)
-    links = net - np.append(net[1:], 0.0) + force * np.array(arm.jacobian(ANGLES)[0])
-    np.testing.assert_allclose(
-        full(arm, ANGLES) @ accelerations + arm.centrifugal(ANGLES, RATES), links, rtol=1e-10
-    )
-
-
 def test_energy_is_conserved_without_friction_and_torque() -> None:
     arm, h = PlanarArm(FRICTIONLESS), 1e-3
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from contact_estimation.estimators.three_states import constrain, correct, Covariance, grow
+from contact_estimation.estimators.three_states import correct, Covariance, grow
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -35,16 +35,6 @@ def test_correction_equals_the_schmidt_kalman_filter(free: tuple[bool, bool, boo
     np.testing.assert_allclose(x, np.array(X) + gain * 0.9, rtol=1e-12)
     np.testing.assert_allclose(got, expected[UPPER], rtol=1e-12, atol=1e-12)
     assert spread == pytest.approx(h @ P @ h + R)
-
-
-def test_constraint_gives_the_most_probable_state_on_the_limit() -> None:
-    P, triangle = random_covariance(2)
-    n = np.array([1.0, 0.5, -0.2])
-    x = np.array(constrain(X, triangle, tuple(n), 1.0, 2.0))
-    assert n @ x == pytest.approx(1.0)
-    # Lagrange: P^-1 (x - x_0) is parallel to the normal.
-    gradient = np.linalg.solve(P, x - np.array(X))
-    np.testing.assert_allclose(np.cross(gradient, n), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize('alone', [0, 1])

@@ -80,12 +80,6 @@ def test_poses_are_those_of_hand_written_transforms(base: str, frame: str) -> No
         model.root_axes, pose(q, base, model.root)[:3, :3], atol=1e-9)
 
 
-def test_gravity_is_that_of_the_highest_frame_with_static_transforms() -> None:
-    tree, _ = tree_of((0.1, 0.2, 0.3))
-    assert TransformModel(tree, 'base_link', 'tool').root == 'world'
-    assert TransformModel(tree, 'link_1', 'tool').root == 'link_1'
-
-
 def test_frames_that_lack_are_named() -> None:
     tree, _ = tree_of((0.1, 0.2, 0.3))
     with pytest.raises(ModelFileError, match=r"no frame 'flange' \(kinematics.tip\); it has base"):

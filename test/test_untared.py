@@ -38,11 +38,3 @@ def test_friction_is_named_tared_or_not() -> None:
     assert untared.effects[0].parameters['bias'].value == pytest.approx(BIAS, rel=0.01)
     for found in (tared, untared):
         assert found.effects[-1].parameters['F_c'].value == pytest.approx(F_C, rel=0.05)
-
-
-def test_share_of_a_law_beside_the_bias_is_that_of_the_tared_recording() -> None:
-    alone, (bias, law) = piston(0.0).effects[-1], piston(BIAS).effects
-    assert alone.beside_zeros is None and bias.beside_zeros is None
-    assert law.share < 0.01 and alone.share > 0.9
-    assert law.beside_zeros is not None
-    assert law.beside_zeros.share == pytest.approx(alone.share, abs=0.02)

@@ -18,9 +18,7 @@ from contact_estimation.recordings.growing import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.watch import recorded
 from contact_estimation.watch.contact_log import CHECKS, ContactLog, STATUS
-from contact_estimation.watch.outputs import show
 from contact_estimation.watch.plots import PLOTS
-from contact_estimation.watch.view import ContactView
 import pytest
 from run_commands import Command
 
@@ -108,14 +106,6 @@ def test_watch_writes_a_file_that_rerun_reads(
     assert '/log/status' in printed
 
 
-def test_a_view_needs_rerun(
-    recording: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, 'rerun', None)
-    message = Command('watch', watch.main, capfd).refusal(recording)
-    assert "needs the Python package 'rerun-sdk'" in message
-
-
 @pytest.mark.parametrize('words, text', [
     (['--save', 'view.png'], 'let its name end in .rrd'),
     (['--axis', 'y'], '--axis needs a RECORDING'),
@@ -139,15 +129,6 @@ def test_a_view_replaces_no_recording(
     assert 'cannot write' in Command('watch', watch.main, capfd).refusal(
         recording, '--save', copy)
     assert copy.read_bytes() == recording.read_bytes()
-
-
-def test_without_a_display_a_page_is_served(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip('rerun')
-    monkeypatch.setattr(sys, 'platform', 'linux')
-    for name in ('DISPLAY', 'WAYLAND_DISPLAY'):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr('contact_estimation.watch.outputs.serve', lambda view, layout: 'served')
-    assert show(ContactView('a'), 'window') == 'no display; served'
 
 
 def test_loop_refuses_a_view_before_it_starts(
