@@ -16,7 +16,6 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 
-OF_TOUCH = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
 TO_AND_FRO = 0.01 * np.sin(3.0 * np.arange(2000) / 250.0)
 
 

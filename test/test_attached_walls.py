@@ -11,10 +11,7 @@ from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, phys
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
-from numpy.typing import NDArray
 import pytest
-
-Array = NDArray[np.float64]
 
 # One or two of a family, and friction of the drive below; test_diagnosis_names.py has a world of
 # each effect, with a robot.

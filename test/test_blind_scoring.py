@@ -12,8 +12,6 @@ from contact_estimation.blind_trials.metrics import metrics
 from contact_estimation.blind_trials.scoring import Score, score
 import pytest
 
-FAILED = {'report': None, 'error': 'diagnose: no contact', 'seconds': 0.1}
-
 
 def scored(truth: dict[str, Any], answer: dict[str, Any]) -> Score:
     return score('trial_1', truth, answer)

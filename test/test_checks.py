@@ -18,12 +18,9 @@ from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
-from numpy.typing import NDArray
 import pytest
 
-Array = NDArray[np.float64]
 Change = Callable[[Signals], Signals]
-NO_REFERENCE = {'reference_t': np.empty(0), 'reference': np.empty((4, 0))}
 
 
 def scaled(position: float, reference: float) -> Change:

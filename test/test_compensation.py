@@ -43,18 +43,10 @@ BOUNDS = {
 }
 WITHOUT_STIFFNESS = {'power_law_stiffness'}
 WITHOUT_DAMPING = {'hunt_crossley_damping', 'power_law_damping'}
-STEPPING = {'environment_inertia'}  # known or not, its force steps in a closed loop, see BOUNDS
 JOINTED = 'joint_flexibility'  # its compliance alone is taken out
-HARMLESS = {
-    'adhesion', 'tool_weight', 'contact_offset',
-    *(name for name, cls in EFFECTS.items() if cls.port == 'robot')}
-"""While the wall pulls nothing is learned anyway; a force of free flight and a surface elsewhere
-are found without being told; what the robot does, eq. (3) does not ask."""
 
 ONE_OF_FAMILY = {cls.family: name for name, cls in reversed(EFFECTS.items())}.values()
 IN_CLOSED_LOOP = [n for n in dict.fromkeys((*ONE_OF_FAMILY, *BOUNDS)) if n != JOINTED]
-FELT_IN_CLOSED_LOOP = [
-    n for n in IN_CLOSED_LOOP if n not in HARMLESS | WITHOUT_STIFFNESS | STEPPING]
 
 
 def physics_of(name: str) -> dict[str, float]:
@@ -138,7 +130,7 @@ def test_estimator_in_closed_loop_that_knows_the_effect_is_right() -> None:
 
 
 def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right() -> None:
-    for name in [n for n in EFFECTS if n != JOINTED]:
+    for name in (n for n in ONE_OF_FAMILY if n != JOINTED):
         samples, end = recorded(name)
         pipeline = EstimationPipeline(parameters_of(name, estimator='rls'))
         assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.5))

@@ -9,20 +9,13 @@ from pathlib import Path
 import re
 
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.parameters.specification import ParameterGroup
 from contact_estimation.parameters.values import build, without
 from contact_estimation.plant.plant_node_parameters import PlantNodeParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 import pytest
 
 CONFIG = Path(__file__).resolve().parent.parent / 'config'
-NODES: list[tuple[str, tuple[type[ParameterGroup], ...]]] = [
-    ('estimator_node', (EstimationParameters, EstimatorNodeParameters)),
-    ('plant_node', (PlantParameters, PlantNodeParameters)),
-]
 
 
 @pytest.mark.parametrize('name', config_files())

@@ -1,24 +1,28 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Eq. (6) against forms written in another way."""
+"""Eq. (6) and its recursive estimation against forms written in another way."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import hypot, tanh
-from typing import Any
+from typing import Any, Sequence
 
 from contact_estimation.estimators.contact_points import (
-    contact_forces,
-    ContactGeometry,
-    point_motions,
-    ToolMotion,
-    total_wrench,
+    contact_forces, ContactGeometry, force_regressor, point_motions, ToolMotion, total_wrench,
 )
+from contact_estimation.estimators.contact_points_estimator import (
+    ContactPointsEstimate, ContactPointsEstimator, ContactPointsSample,
+)
+from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.exceptions import SignalShapeError
 from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
@@ -83,3 +87,110 @@ def test_arrays_of_different_shape_are_refused_by_name() -> None:
         geometry_with(normals=np.eye(3))
     with pytest.raises(SignalShapeError, match=r'points must have a row .* got \(3,\)'):
         geometry_with(points=np.zeros(3))
+
+
+K_E, B_E, MU = 4800.0, 200.0, 0.3
+PERIOD_S = 0.004
+
+
+@lru_cache(maxsize=None)
+def samples(
+    begin: float, end: float, noise: float = 0.5, K_e: float = K_E
+) -> tuple[ContactPointsSample, ...]:
+    """Take a stretch of the example, with force noise alone."""
+    source, made = np.random.default_rng(3), []
+    for t in np.arange(begin, end, PERIOD_S):
+        motion = motion_at(float(t))
+        points = point_motions(GEOMETRY, motion)
+        force = contact_forces(GEOMETRY, points, K_e, B_E, MU).sum(axis=0)
+        felt = force + source.normal(0.0, noise, 3)
+        made.append(ContactPointsSample(round(t * 1e9), felt, motion))
+    return tuple(made)
+
+
+def estimator_with(**tuning: Any) -> ContactPointsEstimator:
+    """Make an estimator for the tool of the example."""
+    return ContactPointsEstimator(GEOMETRY, ContactPointsParameters(**tuning))
+
+
+def run(
+    estimator: ContactPointsEstimator, stretch: Sequence[ContactPointsSample]
+) -> list[ContactPointsEstimate]:
+    """Pass samples through an estimator."""
+    return [estimator.update(sample) for sample in stretch]
+
+
+def stacked(
+    stretch: Sequence[ContactPointsSample], estimates: Sequence[ContactPointsEstimate]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stack the rows of all samples that were learned, of points that all slide and press."""
+    touching = np.array([True, True, True])
+    learned = [s for s, e in zip(stretch, estimates) if all(e.touching)]
+    # Begun amid the swing, it waits until all three go deeper at once.
+    assert len(learned) > 0.5 * len(stretch)
+    rows = [force_regressor(GEOMETRY, point_motions(GEOMETRY, s.motion), touching)
+            for s in learned]
+    return np.vstack(rows), np.concatenate([s.force for s in learned])
+
+
+# From the front foot alone to the rear foot; then all three points slide without a pause.
+FIRST, SLIDING = (1.0, 3.1), (5.4, 6.6)
+
+
+@pytest.mark.parametrize('mu, forgetting', [(0.0, 1.0), (0.3, 1.0), (0.3, 0.98)])
+def test_with_known_friction_it_is_weighted_least_squares_over_all_rows(
+    mu: float, forgetting: float
+) -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'forgetting_factor': forgetting}
+    estimator = estimator_with(initial_friction=mu, friction_std=0.0, **wide)
+    stretch = samples(*SLIDING)
+    estimates = run(estimator, stretch)
+    last = estimates[-1]
+    Phi, force = stacked(stretch, estimates)
+    known = Phi[:, :2] + mu * Phi[:, 2:]
+    age = np.arange(len(force))[::-1] // 3
+    weight = forgetting ** (0.5 * age)
+    gain = np.linalg.pinv(known * weight[:, None]) * weight  # (2, rows): theta = gain F
+    assert (last.stiffness, last.damping) == pytest.approx(tuple(gain @ force), rel=1e-6)
+    spread = 0.6 * np.linalg.norm(gain, axis=1)  # of that linear function of the noise
+    assert (last.stiffness_std, last.damping_std) == pytest.approx(spread, rel=1e-6)
+
+
+def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'friction_std': 1e3}
+    estimates = run(estimator_with(forgetting_factor=1.0, **wide), samples(*SLIDING))
+    last = estimates[-1]
+    Phi, force = stacked(samples(*SLIDING), estimates)
+
+    def residuals(theta: np.ndarray) -> np.ndarray:
+        """Write eq. (6) with K in 1000 N/m and B in 100 N s/m."""
+        K, B, mu = theta * (1e3, 1e2, 1.0)
+        return Phi @ np.array([K, B, mu * K, mu * B]) - force
+
+    K, B, mu = least_squares(residuals, [3.0, 1.0, 0.1], xtol=1e-14, ftol=1e-14).x
+    assert (last.stiffness, last.damping) == pytest.approx((1e3 * K, 1e2 * B), rel=1e-5)
+    assert last.friction == pytest.approx(mu, rel=1e-5)
+
+
+def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> ContactPointsSample:
+    """Press the feet and the nose so deep, level, under the force that this takes."""
+    place = np.array([0.1 + depths[1], 0.0, 0.04 - depths[0]])
+    motion = ToolMotion(place, np.eye(3), np.array(velocity), np.zeros(3))
+    points = point_motions(GEOMETRY, motion)
+    force = contact_forces(GEOMETRY, points, K_E, B_E, MU).sum(axis=0)
+    return ContactPointsSample(0, force, motion)
+
+
+@pytest.mark.parametrize('sample, reason', [
+    (resting((0.005, -0.02), (0.0, 0.0, 0.05)), 'a point may touch or not'),  # withdraws
+    (resting((1e-6, -0.02), (0.0, 0.0, -0.1)), 'a point may touch or not'),  # at the surface
+    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown'),
+])
+def test_what_cannot_be_told_from_the_motion_is_not_learned(
+    sample: ContactPointsSample, reason: str
+) -> None:
+    estimator = estimator_with()
+    before = estimator.update(samples(0.0, 0.1)[0])
+    after = estimator.update(sample)
+    assert (after.status, after.reason) == (EstimateStatus.FROZEN, reason)
+    assert after[1:7] == before[1:7]

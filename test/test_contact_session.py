@@ -27,7 +27,6 @@ CHANGEABLE = [spec for spec in SPECIFICATIONS
               if not spec.read_only and not spec.name.startswith('tool.')]
 NUMBERS = [spec for spec in CHANGEABLE if type(spec.default) in (int, float)]
 LOWER = [spec for spec in NUMBERS if spec.minimum is not None]
-UPPER = [spec for spec in NUMBERS if spec.maximum is not None]
 # At their least, the ranges of the sensors reject every sample: see test_synchronisation.py.
 RANGES = [f'synchronisation.maximum_{name}' for name in ('force', 'position', 'velocity')]
 # Ten seconds apart, no joint state is left for the last wrenches.

@@ -1,21 +1,31 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What the status of an estimate says before, in and after a contact."""
+"""Status and laws of a wall before, in and after a contact."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import nan
 
+from contact_estimation.estimation.events import (
+    apply_event, CHANGE, EstimationEvent, event_now, RESET, START, TARE,
+)
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
+from contact_estimation.estimation.result import Moment
+from contact_estimation.estimation.session import ContactSession
+from contact_estimation.estimation.wall_law import laws_in_words, WallLawNews
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
-from contact_estimation.parameters.values import changed
+from contact_estimation.estimators.multiple_model import LAWS
+from contact_estimation.exceptions import RecordingError
+from contact_estimation.parameters.values import build, changed, flatten
 from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
 import numpy as np
 import pytest
 from wall_worlds import contact, Samples, spring_damper
+
 
 K, B = 5000.0, 100.0
 FREE, ESTIMATING, FROZEN = (
@@ -64,3 +74,70 @@ def test_pull_is_no_contact_and_says_so() -> None:
     first = [one for one, t in zip(estimates, samples.t) if 0.32 < t < 0.5]
     assert {one.status for one in first} == {FREE}
     assert all(one.reason for one in first)
+
+
+def laws(**chosen: float) -> tuple[float, ...]:
+    return tuple(chosen.get(name, 0.0) for name in LAWS)
+
+
+def test_the_most_probable_law_comes_first_and_what_rounds_to_zero_is_left_out() -> None:
+    assert laws_in_words(laws(kelvin_voigt=0.238, mass=0.004, friction=0.758)) == (
+        'friction 0.76 kelvin_voigt 0.24')
+
+
+@pytest.mark.parametrize('then, told', [
+    (laws(kelvin_voigt=0.55, friction=0.45), False),
+    (laws(kelvin_voigt=0.45, friction=0.55), True),  # another leads
+    (laws(kelvin_voigt=0.71, friction=0.29), True),  # by more than 0.1
+])
+def test_laws_are_told_on_change(then: tuple[float, ...], told: bool) -> None:
+    news = WallLawNews()
+    assert news.take(laws(kelvin_voigt=0.6, friction=0.4)) == 'kelvin_voigt 0.60 friction 0.40'
+    assert bool(news.take(then)) == told
+    assert news.take(tuple(then)) == ''
+
+
+SAMPLES = contact_samples(0.3)
+EVENTS = [
+    EstimationEvent(CHANGE, 12, {'estimator': 'rls', 'conditioning.cutoff_frequency': 20.0}),
+    EstimationEvent(RESET, 34, {}),
+    EstimationEvent(TARE, -(2**63), {'force_bias': 0.125}, 1),
+]
+
+
+def feed(session: ContactSession, begin: int, end: int) -> list[str]:
+    """Pass samples and give the estimates as text."""
+    estimates = []
+    for stamp, position, velocity, force in SAMPLES[begin:end]:
+        session.add_motion(stamp, position, velocity)
+        estimates += [repr(r.estimate) for r in session.add_wrench(stamp, force)]
+    return estimates
+
+
+@pytest.mark.parametrize('event', EVENTS, ids=lambda e: e.kind)
+def test_event_survives_its_text(event: EstimationEvent) -> None:
+    assert EstimationEvent.from_text(event.to_text()) == event
+
+
+def test_start_event_restores_all_parameters() -> None:
+    parameters = build(EstimationParameters, {'estimator': 'kalman', 'sample_rate': 400.0})
+    event = EstimationEvent.from_text(
+        event_now(ContactSession(parameters), START, flatten(parameters)).to_text()
+    )
+    assert repr(build(EstimationParameters, event.parameters)) == repr(parameters)
+
+
+@pytest.mark.parametrize('text', ['', 'no json', '[]', '{}', '{"event": "reset"}', '3'])
+def test_other_text_is_an_error(text: str) -> None:
+    with pytest.raises(RecordingError, match='expected an estimation event as JSON'):
+        EstimationEvent.from_text(text)
+
+
+@pytest.mark.parametrize('event', EVENTS, ids=lambda e: e.kind)
+def test_scheduled_event_acts_where_the_live_one_did(event: EstimationEvent) -> None:
+    live, replay = (ContactSession(EstimationParameters()) for _ in range(2))
+    expected = feed(live, 0, 300)
+    apply_event(live, event)
+    expected += feed(live, 300, len(SAMPLES))
+    replay.schedule(Moment(0, SAMPLES[299].stamp_ns), lambda: apply_event(replay, event))
+    assert feed(replay, 0, len(SAMPLES)) == expected

@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 SPRING = nominal(environment__stiffness=1000.0, environment__damping=20.0,
                  environment__unilateral=False)
 T = np.arange(3000) / 200.0
-ONE_HOLD = 0.01 * np.clip(T / 2.0, 0.0, 1.0)
 TO_AND_FRO = 0.005 * np.sin(1.9 * T) + 0.004 * np.sin(4.4 * T)
 
 
@@ -79,10 +78,6 @@ def test_a_delay_is_no_smaller_than_stamps_are_known(name: str) -> None:
     for share, credible in ((0.04, False), (0.06, True)):
         delayed = model.with_effect(name, (share * recording.observed.h,))
         assert is_credible([recording], delayed) is credible
-
-
-DRIVE = nominal(environment__stiffness=0.0, environment__damping=60.0,
-                environment__unilateral=False)
 
 
 @pytest.mark.parametrize('name, values, clips', [

@@ -22,8 +22,6 @@ import pytest
 
 pytest.importorskip('matplotlib')
 
-EVERY = pytest.mark.parametrize('name', ('clean', 'stiffer', 'friction', 'unknown'))
-
 
 def line(axis: Any, label: str) -> Any:
     """Return the line with a label."""

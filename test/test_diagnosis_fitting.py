@@ -1,19 +1,29 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Models as vectors of values, and their fits to recordings."""
+"""Fits of models to recordings, and prediction of parts left out of them."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import MODEL, nominal, prepared_from, recorded
-from contact_estimation.diagnosis.fit.fitting import fit
+from concealed_worlds import MODEL, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.compare.shares import explained
+from contact_estimation.diagnosis.fit.applicable import candidates_in
+from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
+from contact_estimation.diagnosis.fit.left_out import Linearised
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
+from contact_estimation.diagnosis.fit.parts import parts_of
+from contact_estimation.diagnosis.fit.scales import measure_scales
+from contact_estimation.diagnosis.fit.screening import Screening, Step
+from contact_estimation.diagnosis.fit.space import ContactModels
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+
 
 K_e, B_e = MODEL['environment.stiffness'], MODEL['environment.damping']
 STIFFER: dict[str, Any] = {'environment__stiffness': 5600.0, 'environment__damping': 90.0}
@@ -51,3 +61,72 @@ def test_inertia_is_fitted_where_the_wall_has_one() -> None:
     assert model.values == (K_e, B_e, 2.0)
     assert model.laws().contact.inertia == 2.0
     assert model.with_effect('force_bias', (1.0,)).place('force_bias') == slice(3, 4)
+
+
+FRICTION = 6.0
+LAWS = {'coulomb_friction': (FRICTION,), 'contact_offset': (4e-4,)}
+
+
+def with_law(name: str) -> tuple[PreparedRecording, Fit, Fit]:
+    """Fit a world with a law, without and with it."""
+    recording, model = prepared_from(recorded(**physics(name, *LAWS[name])))
+    base = fit([recording], model)
+    start = tuple(0.3 * value for value in LAWS[name])
+    return recording, base, fit([recording], base.model.with_effect(name, start))
+
+
+@pytest.mark.parametrize('name', LAWS)
+def test_left_out_error_is_that_of_a_full_refit(name: str) -> None:
+    recording, base, found = with_law(name)
+    parts = parts_of([recording], base)
+    told = Linearised([recording], found, parts)
+    function = residual_function([recording], found.model, robust=False)
+    bent = residual_function([recording], found.model)
+    for k, part in enumerate(parts):
+        rest = ~part.there
+        refitted = least_squares(
+            lambda values, rest=rest: bent(values)[rest], found.model.coordinates,
+            x_scale=found.model.steps, diff_step=1e-5)
+        left = function(refitted.x)[part.there] ** 2 * told.in_noise[part.there]
+        by_channel = [left[told.channel[part.there] == k] for k in (0, 1)]
+        expected = [np.mean(np.minimum(one, 25.0 * max(1.0, np.median(one) / 0.455)))
+                    for one in by_channel]  # an outlier counts as one at five deviations
+        np.testing.assert_allclose(told.left_out[k], expected, rtol=0.1)
+    assert told.left_out.sum() > told.fitted.sum()
+
+
+def test_a_law_is_predicted_and_has_the_same_value_on_every_part() -> None:
+    recording, base, found = with_law('coulomb_friction')
+    models = ContactModels([recording], base)
+    evidence = models.evidence()
+    lawful = models.without(models._scored([recording], found), [])
+    share = explained(evidence, lawful)
+    assert share.share == pytest.approx(1.0, abs=0.05)
+    assert share.interval[0] > 0.9 and (share.parts > 0.8).all()
+    alone = [lawful.found.values_on(part).values[-1] for part in models.parts]
+    assert alone == pytest.approx([FRICTION] * len(alone), rel=0.15)
+
+
+def recalibrated(**changes: Any) -> tuple[PreparedRecording, Fit]:
+    """Recalibrate the nominal model on a world's recording."""
+    recording, model = prepared_from(recorded(**changes))
+    return recording, fit([recording], model)
+
+
+def steps(recording: PreparedRecording, base: Fit, *names: str) -> dict[str, list[Step]]:
+    """Take the steps of effects beside the recalibrated model."""
+    every = names or candidates_in([recording], base.model)
+    screening = Screening([recording], base, every, measure_scales([recording], base))
+    return screening.steps(base.model, every)
+
+
+@pytest.mark.parametrize('name, values', [
+    ('quadratic_damping', (600.0,)), ('cubic_stiffness', (3e6,)), ('coulomb_friction', (2.0,)),
+    ('robot_drag', (600.0,)), ('force_bias', (2.0,))])
+def test_the_true_effect_is_among_the_first(name: str, values: tuple[float, ...]) -> None:
+    recording, base = recalibrated(**physics(name, *values))
+    found = steps(recording, base)
+    assert set(found) == set(candidates_in([recording], base.model))
+    foretold = [each[0].foretold for each in found.values()]
+    assert foretold == pytest.approx(sorted(foretold), rel=2e-6)
+    assert name in list(found)[:5]

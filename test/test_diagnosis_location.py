@@ -15,7 +15,6 @@ from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
 
-PHASES = {'free', 'entry', 'loading', 'hold', 'unloading', 'all'}
 WORLDS = [
     ('coulomb_friction', (2.0,), 'contact'),
     ('cubic_stiffness', (3e6,), 'contact'),

@@ -92,7 +92,6 @@ FINER: dict[str, dict[str, Any]] = {'stribeck_friction': {'integration_rate': 50
                                     'joint_flexibility': {'sample_rate': 500.0}}
 BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15,
                      ('joint_flexibility', 'damping_ratio'): 0.15}
-EVERY = pytest.mark.parametrize('name', EFFECTS)
 
 
 @lru_cache(maxsize=None)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 import re
 import sys
 
@@ -19,15 +18,12 @@ from contact_estimation.diagnosis.report import page as page_module
 from contact_estimation.diagnosis.report.page import as_html, with_std
 from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
-from contact_estimation.fleet.page import builder as fleet_builder
 from contact_estimation.physics import EFFECTS
 from diagnosed_worlds import diagnosed, nominal
 import pytest
 
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
 VOID = {'meta', 'img'}  # elements without an end tag
-PAGES = [Path(module.__file__ or '').parent for module in (page_module, fleet_builder)]
-ROOT = Path(__file__).resolve().parent.parent
 
 
 class Page(HTMLParser):

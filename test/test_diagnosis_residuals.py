@@ -19,15 +19,6 @@ import pytest
 
 Array = NDArray[np.float64]
 
-EFFECTS_BY_CHANNEL = [
-    ('coulomb_friction', (2.0,), True, True),
-    ('cubic_stiffness', (3e6,), True, True),
-    ('force_bias', (2.0,), True, False),
-    ('force_delay', (0.006,), True, False),
-    ('robot_friction', (3.0,), False, True),
-    ('reflected_inertia', (1.5,), False, True),
-]
-
 
 def mean_squares(recording: PreparedRecording, model: Model) -> tuple[float, float]:
     """Return the mean square residual of a model in both channels, in that of the noise."""

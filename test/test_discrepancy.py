@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 import pytest
 
 COUNT, NOISE, UNKNOWN = 24_000, 0.02, 0.5
-T = np.arange(6000) / 250.0
 
 
 def channel(spread: NDArray[np.float64], block: int, discrepancy: float = 0.0) -> Channel:

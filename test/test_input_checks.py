@@ -10,8 +10,6 @@ import re
 from typing import Any, Callable, Sequence
 
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.check import Check
-from contact_estimation.estimation.checks.force_checks import ForceSign, OtherAxis
 from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
 from contact_estimation.estimation.events import LOCATION, set_location
 from contact_estimation.estimation.parameters import EstimationParameters
@@ -27,7 +25,6 @@ import pytest
 
 K_E, B_E = 5000.0, 100.0
 HEALTHY = contact_samples(2.0, K_E, B_E, force_noise=0.6, position_noise=1e-6)
-WEAK = contact_samples(3.0, 100.0, 4.0, depth=0.016, amplitude=0.002, force_noise=0.6)
 SOFT = contact_samples(1.5, 200.0, 4.0, depth=0.08, amplitude=0.01, force_noise=0.6)
 MILLISECOND = 1_000_000
 Change = Callable[[ContactSample], ContactSample]
@@ -241,14 +238,6 @@ def test_noise_far_above_the_configured_one_is_named() -> None:
     free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
     session, _ = fed(free, contact__force_noise=0.05)
     assert headline(session)[0] == 'force_noise'
-
-
-ARM_REMEDIES: list[tuple[Check, tuple[float, float, float], str]] = [
-    (ForceSign(), (800.0, 0.0, 0.0), 'set force_sign to -1'),
-    (ForceSign(), (0.0, -800.0, 0.0), 'reverse contact.normal'),
-    (ForceSign(), (0.0, 800.0, 0.0), 'reverse contact.normal and set force_sign to -1'),
-    (OtherAxis(), (0.0, 0.0, 800.0), 'check contact.normal, and force_sensor.frame'),
-]
 
 
 @pytest.mark.parametrize('seed, velocity_noise', [

@@ -1,20 +1,23 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The Kalman filter against a plain recursion, a displaced wall and the spread over seeds."""
+"""The Kalman filter and its corrections against plain matrices and the spread over seeds."""
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.kalman import Kalman, KalmanParameters
+from contact_estimation.estimators.three_states import correct, Covariance, grow
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 from core_steps import known, learn
 from filterpy.kalman import KalmanFilter
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+
 
 K, B, T = 4800.0, 200.0, 0.002
 
@@ -77,3 +80,37 @@ def test_claimed_std_is_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     spread = np.sqrt(np.mean(np.square(errors), axis=0))
     ratio = spread / [last.stiffness_std, last.damping_std]
     assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
+
+
+UPPER = np.triu_indices(3)
+X, H, R = (1.0, -2.0, 0.5), (0.3, 1.1, -0.7), 0.4
+
+
+def random_covariance(seed: int) -> tuple[NDArray[np.float64], Covariance]:
+    """Draw a positive definite matrix."""
+    root = np.random.default_rng(seed).standard_normal((3, 3))
+    P = root @ root.T
+    return P, tuple(P[UPPER].tolist())
+
+
+@pytest.mark.parametrize('free', list(product([True, False], repeat=3)))
+def test_correction_equals_the_schmidt_kalman_filter(free: tuple[bool, bool, bool]) -> None:
+    P, triangle = random_covariance(1)
+    mask, h = np.array(free), np.array(H)
+    gain = P @ h / (h @ P @ h + R) * mask
+    # Joseph's form holds for any gain, so also for one that is 0 at consider states.
+    left = np.eye(3) - np.outer(gain, h)
+    expected = left @ P @ left.T + R * np.outer(gain, gain)
+    x, got, spread = correct(X, triangle, H, 0.9, R, free)
+    np.testing.assert_allclose(x, np.array(X) + gain * 0.9, rtol=1e-12)
+    np.testing.assert_allclose(got, expected[UPPER], rtol=1e-12, atol=1e-12)
+    assert spread == pytest.approx(h @ P @ h + R)
+
+
+@pytest.mark.parametrize('alone', [0, 1])
+def test_state_forgotten_alone_forgets_its_variance_given_the_others(alone: int) -> None:
+    P, triangle = random_covariance(5)
+    growth = (1.1, 1.0, 1.0) if alone == 0 else (1.0, 1.1, 1.0)
+    expected = P.copy()
+    expected[alone, alone] += 0.21 / np.linalg.inv(P)[alone, alone]
+    np.testing.assert_allclose(np.array(grow(triangle, growth)), expected[UPPER], rtol=1e-9)

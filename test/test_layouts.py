@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterator
 
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.watch.plots import PLOTS
@@ -15,16 +14,6 @@ FILES = config_files()
 SOURCES = {(f'/{curve.topic}', curve.field) for plot in PLOTS for curve in plot.curves}
 SOURCES |= {(f'/{curve.std_topic}', curve.field) for plot in PLOTS for curve in plot.curves
             if curve.std_topic}
-
-
-def leaves(layout: Any) -> Iterator[str]:
-    """Yield the panels of a layout of Foxglove."""
-    if isinstance(layout, str):
-        yield layout
-    else:
-        assert layout['direction'] in ('row', 'column') and 0 < layout['splitPercentage'] < 100
-        yield from leaves(layout['first'])
-        yield from leaves(layout['second'])
 
 
 def test_plotjuggler_reads_what_the_view_shows() -> None:

@@ -17,7 +17,7 @@ from contact_estimation.recordings.definitions import jazzy_typestore
 from contact_estimation.recordings.source import RecordingSource
 from layout_fields import CONFIG, of_foxglove, of_plotjuggler, RecordedFields
 import pytest
-from ros_processes import descendants, Finished, ModuleProcess, run_module, wait_until
+from ros_processes import Finished, ModuleProcess, run_module, wait_until
 
 KEYS = [
     'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
@@ -129,14 +129,6 @@ def test_layouts_read_topics_and_fields_that_the_loop_records(whole: Run) -> Non
 def grown(folder: Path) -> bool:
     """Tell whether the recording holds contact samples already."""
     return any(file.stat().st_size > 60_000 for file in folder.glob('out/recording/*.mcap'))
-
-
-def child(parent: int, word: str) -> int:
-    """Find a child process by a word of its command line."""
-    for process in descendants(parent):
-        if word.encode() in Path(f'/proc/{process}/cmdline').read_bytes():
-            return process
-    raise AssertionError(f'no child with {word!r}')
 
 
 def assert_kept(folder: Path, finished: Finished, text: str) -> None:

@@ -26,9 +26,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 CORNERS = [(25.0, 100.0), (25.0, 300.0), (75.0, 100.0), (75.0, 300.0)]  # of (50, 200)
-FROZEN = {
-    'tuning.mrac.control.arm_mass_gain': 0.0, 'tuning.mrac.control.arm_damping_gain': 0.0,
-}
 MOVING_S = 4.4  # the manoeuvre rests before
 
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 import re
-from typing import Callable
 
 from contact_estimation.benchmarks.online_faults import FAULTS
-from contact_estimation.benchmarks.online_paths import Array, bump, cruise, Piece, ramp, sines
+from contact_estimation.benchmarks.online_paths import Array, Piece
 from contact_estimation.benchmarks.online_study import main, ROWS
 from contact_estimation.benchmarks.online_worlds import Sensor, simulate, Wall, World
 import numpy as np
@@ -40,12 +39,6 @@ def test_the_force_is_that_of_spring_damper_and_mass_through_the_filter(poles: i
     expected = 3000.0 * DEPTH + np.imag(swing * np.exp(s * t))
     settled = t > 0.05
     assert -force[settled, 0] == pytest.approx(expected[settled], abs=2e-4 * 3000.0 * DEPTH)
-
-
-PIECES: dict[str, Callable[[], Piece]] = {
-    'ramp': lambda: ramp(0.2, 0.5, 0.01), 'cruise': lambda: cruise(0.2, 0.7, 0.02, 0.1),
-    'sines': lambda: sines(0.1, 0.9, 0.003, np.random.default_rng(3)),
-    'bump': lambda: bump(0.5, 0.3, 0.004)}
 
 
 @pytest.mark.parametrize('name', sorted(set(FAULTS) - {'clock back'}))

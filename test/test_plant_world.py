@@ -1,14 +1,17 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The simulated world against closed forms and an independent integration with events."""
+"""The simulated world and its sensors against closed forms and an independent integration."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from contact_estimation.estimators.contact_model import kelvin_voigt_force
+from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
 from contact_estimation.plant.closed_loop import push
-from contact_estimation.plant.world import World
+from contact_estimation.plant.sensors import Sensors
+from contact_estimation.plant.world import Truth, World
 from contact_estimation.reference.quintic import quintic
 import numpy as np
 from numpy.typing import NDArray
@@ -100,3 +103,64 @@ def test_an_effect_may_be_switched_while_running(name: str) -> None:
     world.configure(with_effect(name, environment__stiffness=2.0 * K_e))  # keeps its past
     world.advance(2e-3, hold)
     assert world.position == pytest.approx(x, rel=0.01)
+
+
+NOISY: dict[str, Any] = {
+    'sensors__force_noise': 1.0, 'sensors__position_noise': 1e-5, 'sensors__velocity_noise': 1e-3,
+}
+
+
+def measured(count: int = 3000, **values: Any) -> NDArray[np.float64]:
+    """Measure 12.3 mm, 0.2 m/s and -49 N, which the sensor takes for -50 N; (count, 3)."""
+    sensors = Sensors(plant_with(**values))
+    return np.array([
+        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -49.0, -50.0)) for k in range(count)
+    ])
+
+
+@pytest.mark.parametrize('off, column', [('force', 0), ('position', 1), ('velocity', 2)])
+def test_switching_one_noise_off_leaves_the_others(off: str, column: int) -> None:
+    rest = [k for k in range(3) if k != column]
+    quiet = measured(**{**NOISY, f'sensors__{off}_noise': 0.0})
+    np.testing.assert_array_equal(quiet[:, rest], measured(**NOISY)[:, rest])
+
+
+def test_normal_noise_has_the_given_standard_deviation() -> None:
+    np.testing.assert_allclose(measured(**NOISY).std(axis=0), [1.0, 1e-5, 1e-3], rtol=0.05)
+
+
+def test_uniform_noise_has_the_spread_of_a_uniform_distribution() -> None:
+    error = measured(**NOISY, sensors__distribution='uniform')[:, 0] + 50.0
+    assert np.std(error) == pytest.approx(1.0 / np.sqrt(3.0), rel=0.03)
+
+
+def test_position_is_quantised_after_its_noise() -> None:
+    x = measured(**NOISY, sensors__position_quantisation=5e-6)[:, 1] / 5e-6
+    np.testing.assert_allclose(x, np.round(x), atol=1e-6)
+    assert len(set(np.round(x))) > 3
+
+
+def test_velocity_is_nan_where_it_is_not_published() -> None:
+    assert np.all(np.isnan(measured(5, sensors__publish_velocity=False)[:, 2]))
+
+
+def test_force_on_a_pressing_tool_is_negative_by_hand() -> None:
+    assert kelvin_voigt_force(0.01, 0.1, 4800.0, 200.0) == pytest.approx(-(48.0 + 20.0))
+
+
+def test_wall_cannot_pull_while_withdrawing_inside_the_surface() -> None:
+    speeds = np.linspace(-10.0, 10.0, 401)
+    force = kelvin_voigt_force(np.full(401, 0.001), speeds, 4800.0, 200.0)
+    assert np.all(force <= 0.0)
+    assert np.all(force[speeds < -4.8 / 200.0 - 1e-9] == 0.0)
+
+
+def test_different_shapes_are_refused() -> None:
+    with pytest.raises(SignalShapeError, match=r'one shape, got \(3,\) and \(2,\)'):
+        kelvin_voigt_force([1.0, 2.0, 3.0], [1.0, 2.0], 4800.0, 200.0)
+
+
+@pytest.mark.parametrize('K_e', [0.0, -5.0, float('nan')])
+def test_stiffness_that_is_not_positive_is_refused(K_e: float) -> None:
+    with pytest.raises(ParameterRangeError, match='K_e must be > 0 N/m'):
+        kelvin_voigt_force(0.0, 0.0, K_e, 0.0)

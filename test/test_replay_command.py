@@ -172,12 +172,6 @@ def test_missing_topic_is_named_with_the_available_ones(
     assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
 
 
-BAD_FILES = {
-    'empty.mcap': b'', 'garbage.mcap': bytes(range(256)) * 20, 'text.mcap': b'hello\n',
-    'zeros.mcap': bytes(10_000),
-}
-
-
 WRONG = [
     (['--estimator', 'kalmann'], "did you mean 'kalman'"),
     (['--topic', 'wrench=/a'], 'NAME:=TOPIC'),

@@ -19,14 +19,11 @@ from contact_estimation.blind_trials.trial_files import TrialFiles, write_rig_tr
 from contact_estimation.blind_trials.worlds import SensorModel
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.foreign_laws import ALL_LAWS
-from contact_estimation.plant.plant_parameters import WallParameters
 import numpy as np
 import pytest
 
 NONE = Nuisances(0.0, 0.0, 0.0, 50.0, 0.0, 1.0, 0.0, 0.0)
 RIG = Rig('press', WALL, ROBOT, SensorModel(), EXPERIMENT, NONE, 0.015)
-ATTACHED = WallParameters(stiffness=4000.0, damping=100.0, inertia=2.0, unilateral=False)
-SPECIMEN = replace(RIG, stage='specimen', wall=ATTACHED, robot=None)
 
 
 def run_of(rig: Rig, name: str = '', rate: float = 2000.0, **values: float) -> Run:

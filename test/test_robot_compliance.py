@@ -5,12 +5,10 @@
 
 from __future__ import annotations
 
-from contact_estimation.estimation.robot_compliance import RobotParameters
 from core_runs import contact_samples, estimates_of, pipeline_with
 import pytest
 
 C = 2e-5
-RIGID = RobotParameters()
 
 
 @pytest.mark.parametrize('K_e', [5e3, 3e4])

@@ -1,20 +1,24 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Pose and Jacobian of an arm against hand-written transforms and finite differences."""
+"""Pose, Jacobian, joints and tool load of an arm against hand-written forms."""
 
 from __future__ import annotations
 
+from math import nan, pi
 import sys
 
 from contact_estimation.exceptions import MissingPackageError, ModelFileError, UnknownNameError
+from contact_estimation.kinematics.joint_kinds import turning_joint
 from contact_estimation.kinematics.robot_model import RobotModel
+from contact_estimation.kinematics.tool_load import STANDARD_GRAVITY, tool_wrench, ToolParameters
+from contact_estimation.signals.joint_merging import JointMerger
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from small_arm import JOINTS, pose, urdf
 
 Q = (0.3, -0.4, 2.7)
-Q_DOT = np.array([0.5, -1.1, 0.7])
 
 
 @pytest.fixture(scope='module')
@@ -72,3 +76,91 @@ def test_a_missing_library_says_how_to_install_it(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, 'pinocchio', None)
     with pytest.raises(MissingPackageError, match=r'contact_estimation\[robots\].*ros-jazzy-pin'):
         RobotModel(urdf(), 'base_link', 'tool')
+
+
+ONE = '<robot name="r"><joint name="mount" type="fixed"/><joint name="only" type="{}"/></robot>'
+
+
+@pytest.mark.parametrize('names, found', [
+    (['elbow'], 'elbow'), (['finger_joint', 'wrist'], 'wrist'), (['finger_joint'], ''),
+    (['mount'], ''), (['unknown'], ''), ([''], '')])
+def test_a_joint_turns_or_slides_as_described(names: list[str], found: str) -> None:
+    assert turning_joint(urdf(), names) == found
+
+
+@pytest.mark.parametrize('kind, found', [
+    ('revolute', 'only'), ('continuous', 'only'), ('prismatic', '')])
+def test_an_unnamed_joint_is_the_only_one_that_moves(kind: str, found: str) -> None:
+    assert turning_joint(ONE.format(kind), ['']) == found
+
+
+def test_parts_with_one_stamp_are_put_together() -> None:
+    merger = JointMerger([False, False])
+    assert merger.add(5, (1.0, nan), (3.0, nan)) is None
+    assert merger.missing == [1]
+    assert merger.add(5, (nan, 2.0), (nan, 4.0)) == (5, [1.0, 2.0, 3.0, 4.0])
+    assert merger.missing == []
+
+
+def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
+    merger = JointMerger([False, False])
+    merger.add(10, (1.0, nan), (0.0, nan))
+    merger.add(11, (nan, 2.0), (nan, 0.0))  # the first source has no value at 11 yet
+    first = merger.add(14, (3.0, nan), (4.0, nan))
+    second = merger.add(12, (nan, 2.5), (nan, 0.0))
+    assert first is not None and second is not None
+    assert (first[0], second[0]) == (11, 12)
+    assert first[1] == pytest.approx([1.5, 2.0, 1.0, 0.0])
+    assert second[1] == pytest.approx([2.0, 2.5, 2.0, 0.0])
+
+
+def test_an_unlimited_joint_turns_on_where_its_angle_wraps() -> None:
+    merger = JointMerger([True])
+    rows = [merger.add(k, (angle,), (1.0,)) for k, angle in enumerate([3.0, -3.1, 3.1, 0.0])]
+    assert [row[1][0] for row in rows if row] == pytest.approx([3.0, 2 * pi - 3.1, 3.1, 0.0])
+
+
+TOOL = ToolParameters(
+    mass=1.2, centre=(0.01, -0.02, 0.06), force_bias=(1.0, -2.0, 3.0),
+    torque_bias=(0.1, 0.2, -0.3),
+)
+w0, w1 = np.array([0.5, -1.0, 2.0]), np.array([-3.0, 1.5, 0.7])
+
+
+def orientation(t: float) -> Rotation:
+    """Return an accelerating rotation."""
+    return Rotation.from_rotvec(w0 * t) * Rotation.from_rotvec(w1 * t * t)
+
+
+def origin(t: float) -> np.ndarray:
+    """Return an accelerating position of the sensor [m]."""
+    return np.array([np.sin(3 * t), t**3, np.cos(2 * t)])
+
+
+def second_difference(function: object, t: float, h: float = 1e-3) -> np.ndarray:
+    """Return the second derivative by central differences of fourth order."""
+    weights = zip((-2, -1, 0, 1, 2), (-1, 16, -30, 16, -1))
+    return sum(k * function(t + i * h) for i, k in weights) / (12 * h * h)  # type: ignore
+
+
+def angular_velocity(t: float, h: float = 1e-4) -> np.ndarray:
+    """Return the angular velocity in the moving frame by central differences [rad/s]."""
+    return (orientation(t - h).inv() * orientation(t + h)).as_rotvec() / (2 * h)
+
+
+def test_force_in_any_motion_is_that_of_a_point_mass_at_the_centre() -> None:
+    t, R = 0.4, orientation(0.4).as_matrix()
+    centre_acceleration = second_difference(
+        lambda s: origin(s) + orientation(s).apply(TOOL.centre), t)
+    gravity = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    expected = R.T @ (TOOL.mass * (gravity - centre_acceleration)) + TOOL.force_bias
+    alpha = (angular_velocity(t + 1e-4) - angular_velocity(t - 1e-4)) / 2e-4
+    wrench = tool_wrench(TOOL, R, second_difference(origin, t), angular_velocity(t), alpha)
+    np.testing.assert_allclose(wrench[:3], expected, atol=1e-5)
+
+
+def test_torque_at_rest_is_that_of_the_weight_at_the_centre() -> None:
+    R = orientation(0.3).as_matrix()
+    weight = R.T @ [0.0, 0.0, -TOOL.mass * STANDARD_GRAVITY]
+    expected = np.cross(TOOL.centre, weight) + TOOL.torque_bias
+    np.testing.assert_allclose(tool_wrench(TOOL, R)[3:], expected, atol=1e-12)

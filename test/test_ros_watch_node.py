@@ -18,12 +18,6 @@ from ros_processes import node_process, wait_until
 
 pytest.importorskip('rerun')
 pytestmark = pytest.mark.slow
-EXPERIMENT = """
-start: -0.002
-segments:
-- {duration: 0.5, position: 0.01}
-- {duration: 0.5, position: -0.002}
-"""
 
 
 def paths_in(file: Path) -> str:

@@ -12,9 +12,6 @@ from effect_examples import SCALES
 import pytest
 
 PRESS = SCALES._replace(sample_period=0.002)
-NIGHT = Scales(2e-5, 1e-8, 0.02, 1e-9, 0.0, 36000.0, 1000.0, 1e-9, 50.0, (), 1.0)
-IMPACT = Scales(1e-3, 0.5, 900.0, 1e-9, 0.0, 2.0, 9e5, 30.0, 2.0, (), 1e-4)
-EVERY = pytest.mark.parametrize('scales', [PRESS, NIGHT, IMPACT], ids=['press', 'night', 'impact'])
 NO_SLOWER = {'force_delay', 'force_lag', 'command_delay', 'actuator_lag'}
 """Sensors and buses are no slower where the motion is."""
 

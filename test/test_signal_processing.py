@@ -12,20 +12,10 @@ from contact_estimation.estimators.offline_estimator import OfflineEstimate, Tar
 from contact_estimation.reproduction.paper import B_E, K_E
 from contact_estimation.reproduction.simulation_cases import step_recording
 from contact_estimation.signals.contact_recording import ContactRecording
-import numpy as np
 import pytest
 
 TARGET = TargetImpedance()
 recorded = lru_cache(maxsize=None)(step_recording)
-
-
-def response(w_d: float, decay: float, offset: float = 0.0, count: int = 2000) -> ContactRecording:
-    """Make the force of a step response at 500 Hz, after 0.2 s of rest."""
-    t = 0.002 * np.arange(count)
-    ring = np.exp(-decay * t) * (np.cos(w_d * t) + decay / w_d * np.sin(w_d * t))
-    force = np.concatenate([np.zeros(100), 50.0 * (1.0 - ring)]) + offset
-    stamps = np.arange(len(force), dtype=np.int64) * 2_000_000
-    return ContactRecording(stamps, np.zeros(len(force)), np.zeros(len(force)), -force)
 
 
 def estimate(name: str, recording: ContactRecording) -> OfflineEstimate:

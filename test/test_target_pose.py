@@ -12,7 +12,6 @@ from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.reference.parameters import PoseLimits
 import pytest
 
-ARM = {'kinematics.base': 'base_link', 'kinematics.tip': 'tool', 'contact.normal': [0, 0, -1]}
 DOWN = (0.0, 0.0, -1.0)
 BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
 
