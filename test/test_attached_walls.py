@@ -13,29 +13,8 @@ from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
 
-# One or two of a family, and friction of the drive below; test_diagnosis_names.py has a world of
-# each effect, with a robot.
-WORLDS: dict[str, tuple[float, ...]] = {
-    'cubic_stiffness': (1e6,),
-    'viscoelastic_relaxation': (800.0, 0.1),
-    'force_lag': (0.003,),
-}
-BOUND = 0.08
 NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
 MASS, DRAG, DRY, BIAS = 90.0, 200.0, 20.0, 3.0  # of a linear drive
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('name', WORLDS)
-def test_effect_of_an_attached_wall_is_named(name: str) -> None:
-    values = WORLDS[name]
-    found = diagnosed(attached(*physics(name, *values).items()), nominal(**ATTACHED))
-    assert (found.verdict, named(found)) == ('physics_missing', [name])
-    got = [parameter.value for parameter in found.effects[0].parameters.values()]
-    assert got == pytest.approx(values, rel=BOUND)
-    assert found.stiffness.value == pytest.approx(ATTACHED['environment__stiffness'], rel=0.005)
-    assert found.motion.corrected is not None and found.motion.recalibrated is not None
-    assert found.motion.corrected < 0.15 * found.motion.recalibrated
 
 
 @pytest.mark.slow
@@ -82,26 +61,3 @@ def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
     values = {effect.name: effect.parameters for effect in found.effects}
     assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
     assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
-
-
-@pytest.mark.slow
-def test_play_of_a_gear_is_named() -> None:
-    gap, drag, spring = 0.002, 500.0, 400.0
-    t = np.arange(15 * 250) / 250.0
-    rng = np.random.default_rng(4)
-    tones, phases = rng.uniform(0.3, 2.0, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
-    x = 0.004 * np.sin(2.0 * np.pi * np.outer(t, tones) + phases).sum(axis=1)
-    load, force = float(x[0]), np.zeros(len(t))
-    for k in range(1, len(t)):
-        pushed = min(max(load, x[k] - 0.5 * gap), x[k] + 0.5 * gap)
-        if pushed != load:
-            force[k] = -(spring * pushed + drag * (x[k] - x[k - 1]) * 250.0)
-        load = pushed
-    noise = rng.normal(size=(2, len(t)))
-    found = diagnosed(
-        Signals(t, force + 0.5 * noise[0], t, x + 2e-6 * noise[1], *NO_REFERENCE),
-        nominal(environment__stiffness=300.0, environment__damping=700.0,
-                environment__inertia=0.0, environment__unilateral=False))
-    assert (found.verdict, named(found)) == ('physics_missing', ['backlash'])
-    assert found.effects[0].parameters['gap'].value == pytest.approx(gap, rel=0.05)
-    assert found.damping.value == pytest.approx(drag, rel=0.02)

@@ -6,10 +6,10 @@
 from __future__ import annotations
 
 
-from blind_worlds import short_trial, synthetic_run, WALL, WORLD
-from contact_estimation.blind_trials.concealment import conceal, degree, residual
+from blind_worlds import synthetic_run, WORLD
+from contact_estimation.blind_trials.concealment import residual
 from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
-from contact_estimation.blind_trials.simulation import Run, simulate
+from contact_estimation.blind_trials.simulation import Run
 from contact_estimation.blind_trials.trial import EFFECTS_OF_A_WALL, plan_effects
 from contact_estimation.blind_trials.worlds import RandomWorld, SensorModel
 from contact_estimation.physics import EFFECTS
@@ -71,29 +71,6 @@ def test_contact_residual_matches_the_normal_equations() -> None:
     predicted = np.minimum(0.0, -K * run.x - B * run.v)[touching]
     rms = float(np.sqrt(np.mean(((run.force + extra)[touching] - predicted) ** 2)))
     assert rms_of(False, WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
-
-
-def test_degree_is_residual_relative_to_the_force_noise() -> None:
-    run = synthetic_run()
-    biased = synthetic_run(run.force + 0.5 * np.sin(40.0 * run.t))
-    rms = rms_of(False, WORLD, biased)
-    r = degree(False, WORLD, biased, run)
-    assert r == pytest.approx(np.hypot(1.0, rms / WORLD.sensors.force_std), rel=1e-6)
-    assert degree(False, WORLD, run, run) == 1.0
-
-
-def test_search_finds_the_requested_degree() -> None:
-    found = conceal(lambda s: float(np.hypot(1.0, 80.0 * s**1.4)), 2.5)
-    assert found.degree == pytest.approx(2.5, rel=0.02)
-    assert not found.not_concealable
-
-
-def test_clean_world_obeys_eq_3() -> None:
-    run = simulate(WORLD, short_trial().physics, 500.0)
-    d = run.x - WALL.location
-    wall = np.where(d > 0.0, np.minimum(0.0, -WALL.stiffness * d - WALL.damping * run.v), 0.0)
-    assert np.allclose(run.force, wall, atol=1e-9)
-    assert np.min(run.force) < -30.0
 
 
 # -- sensors --------------------------------------------------------------------------------

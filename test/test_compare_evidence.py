@@ -57,14 +57,6 @@ def test_likelihood_with_a_discrepancy_is_that_of_errors_of_unknown_size(count: 
         np.testing.assert_allclose(told[0] - told[1], expected, rtol=1e-6)
 
 
-def test_likelihood_is_that_of_both_errors_as_left_out_and_as_fitted() -> None:
-    model = replace(scored(4.0), left_out=scored(9.0).left_out)
-    share = CONSTANTS.left_out
-    expected = scored(share * 9.0 + (1.0 - share) * 4.0)
-    found = evidence(scored(1.0))
-    assert found.score(model) == pytest.approx(found.score(expected))
-
-
 def test_score_adds_the_likelihoods_and_the_prior() -> None:
     found, model = evidence(scored(30.0)), replace(scored(1.1, 'a', 'b'), curves=1)
     exact, inexact = found.log_likelihoods(model)

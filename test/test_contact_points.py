@@ -17,7 +17,6 @@ from contact_estimation.estimators.contact_points_estimator import (
 )
 from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.exceptions import SignalShapeError
 from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
 import numpy as np
 import pytest
@@ -73,20 +72,6 @@ def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
         for F, n, rate, slip in zip(forces, GEOMETRY.normals, points.delta_dot, points.slip)
     )
     assert whole == pytest.approx(at_points, rel=1e-9, abs=1e-12)
-
-
-def geometry_with(**changed: Any) -> ContactGeometry:
-    """Make a valid geometry but for what is changed."""
-    flat = {'points': np.zeros((2, 3)), 'surfaces': np.zeros((2, 3)),
-            'normals': np.array([[0.0, 0.0, 1.0]] * 2)}
-    return ContactGeometry(**{**flat, **changed})
-
-
-def test_arrays_of_different_shape_are_refused_by_name() -> None:
-    with pytest.raises(SignalShapeError, match=r'normals must have a row .* got \(3, 3\)'):
-        geometry_with(normals=np.eye(3))
-    with pytest.raises(SignalShapeError, match=r'points must have a row .* got \(3,\)'):
-        geometry_with(points=np.zeros(3))
 
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3

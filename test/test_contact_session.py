@@ -50,23 +50,6 @@ def feed(session: ContactSession, samples: list[ContactSample]) -> list[Result]:
     return results
 
 
-def other_value(spec: ParameterSpecification) -> Any:
-    """Pick a valid value that is not the default."""
-    if spec.choices:
-        return next(choice for choice in spec.choices if choice != spec.default)
-    if isinstance(spec.default, bool):
-        return not spec.default
-    if isinstance(spec.default, int):
-        return spec.default + 1
-    if isinstance(spec.default, tuple):
-        return tuple(value + 0.5 for value in spec.default)
-    default = float(spec.default)
-    moved = 1.5 * default if isfinite(default) and default else 1e-3
-    low, high = (-inf if spec.minimum is None else spec.minimum,
-                 inf if spec.maximum is None else spec.maximum)
-    return min(max(moved, low), high)
-
-
 def _like(spec: ParameterSpecification, number: float) -> int | float:
     """Return a number of the type of a parameter."""
     return int(number) if isinstance(spec.default, int) else float(number)
@@ -108,11 +91,6 @@ def problems(changes: Iterable[tuple[str, Any]]) -> list[str]:
 
 
 @pytest.mark.slow
-def test_every_parameter_can_be_changed_in_contact() -> None:
-    assert not problems((spec.name, other_value(spec)) for spec in CHANGEABLE)
-
-
-@pytest.mark.slow
 def test_every_parameter_can_be_set_to_its_minimum_in_contact() -> None:
     assert not problems((spec.name, _like(spec, spec.minimum or 0))
                         for spec in LOWER if spec.name not in (*RANGES, OFFSET))
@@ -142,14 +120,6 @@ def test_replay_of_the_samples_gives_the_live_estimates(estimator: str) -> None:
         assert result.reference is not None
         replay.add_reference(result.reference_stamp_ns, Reference(*result.reference[:3]))
     assert [repr(r.estimate) for r in replayed] == [repr(r.estimate) for r in live]
-
-
-def test_order_of_the_topics_does_not_matter() -> None:
-    forward, backward, results = session_for(), session_for(), []
-    for stamp, position, velocity, force in SAMPLES:
-        results += backward.add_wrench(stamp, force)
-        results += backward.add_motion(stamp, position, velocity)
-    assert repr(results) == repr(feed(forward, SAMPLES))
 
 
 def test_desired_of_the_future_waits_for_its_stamp() -> None:

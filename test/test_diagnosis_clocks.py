@@ -11,7 +11,6 @@ from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.conclude.views import Offset
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.open_loop import run_open_loop
@@ -40,15 +39,6 @@ def test_stamps_before_the_event_are_no_mass_and_no_memory(wrench: float, joints
     assert f'{early} stamped early' in failed['clock_offset']
     remedy = re.search(r'set synchronisation.offset to (-?[\d.]+) s', failed['clock_offset'])
     assert remedy and float(remedy[1]) == pytest.approx(wrench - joints, rel=0.1)
-
-
-def test_an_offset_is_put_right() -> None:
-    signals = recorded()
-    for offset, joints, reference in (
-            (Offset('joint_states', 0.01), -0.01, 0.0), (Offset('wrench', 0.01), 0.01, 0.01)):
-        shifted = offset.put_right(Recording('file.mcap', signals)).signals
-        assert shifted.joint_t == pytest.approx(signals.joint_t + joints, abs=1e-12)
-        assert shifted.reference_t == pytest.approx(signals.reference_t + reference, abs=1e-12)
 
 
 def test_a_command_that_arrives_late_is_named() -> None:

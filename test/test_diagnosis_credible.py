@@ -36,14 +36,6 @@ def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
     return recording, fit([recording], model)
 
 
-def test_a_friction_that_never_slips_is_a_spring() -> None:
-    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
-    reach = float(np.ptp(recording.observed.force))
-    for share, credible in ((1.4, True), (1.6, False)):
-        model = found.model.with_effect('presliding_friction', (share * reach, 500.0))
-        assert is_credible([recording], model) is credible
-
-
 @pytest.mark.parametrize('frequency, credible', [
     (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
 def test_a_resonance_needs_one_period_and_eight_samples_in_it(
@@ -69,15 +61,6 @@ def test_the_motion_passes_every_depth_at_which_a_law_bends(
     least, most = np.quantile(recording.observed.x, (0.01, 0.99))
     assert -0.0105 < least < -0.001 and 0.004 < most < 0.03
     assert is_credible([recording], model.with_effect(effect, values)) is credible
-
-
-@pytest.mark.parametrize(
-    'name', ['force_delay', 'command_delay', 'force_lag', 'actuator_lag'])
-def test_a_delay_is_no_smaller_than_stamps_are_known(name: str) -> None:
-    recording, model = prepared_from(recorded())
-    for share, credible in ((0.04, False), (0.06, True)):
-        delayed = model.with_effect(name, (share * recording.observed.h,))
-        assert is_credible([recording], delayed) is credible
 
 
 @pytest.mark.parametrize('name, values, clips', [

@@ -9,12 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from contact_estimation.diagnosis.report.figures import (
-    COLOURS,
-    plot_comparison,
-    plot_evidence,
-    plot_parts,
-)
+from contact_estimation.diagnosis.report.figures import COLOURS, plot_comparison, plot_evidence
 from contact_estimation.diagnosis.report.plot_data import plot_data
 from diagnosed_worlds import diagnosed
 import numpy as np
@@ -51,17 +46,3 @@ def test_evidence_ranks_candidates_and_colours_named_effects() -> None:
     names = [label.get_text() for label in axis.get_yticklabels()]
     colours = {bar.get_facecolor() for bar in axis.patches}
     assert 'coulomb friction' in names and len(colours) == 2
-
-
-def test_parts_show_shares_and_main_parameter_beside_those_of_all_parts() -> None:
-    (effect,) = diagnosed('friction').effects
-    shares, values = plot_parts(effect).axes
-    assert [bar.get_height() for bar in shares.containers[0]] == [
-        100.0 * part.share for part in effect.parts]
-    assert line(shares, 'all parts').get_ydata() == [100.0 * effect.share] * 2
-    np.testing.assert_array_equal(line(values, 'each part alone').get_ydata(),
-                                  [part.parameters['F_c'] for part in effect.parts])
-    assert line(values, 'all parts').get_ydata() == [effect.parameters['F_c'].value] * 2
-    assert values.get_ylabel() == 'F_c [N]'
-    assert [tick.get_text() for tick in values.get_xticklabels()] == [
-        part.name for part in effect.parts]

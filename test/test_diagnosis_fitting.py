@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import MODEL, nominal, physics, prepared_from, recorded
+from concealed_worlds import MODEL, physics, prepared_from, recorded
 from contact_estimation.diagnosis.compare.shares import explained
 from contact_estimation.diagnosis.fit.applicable import candidates_in
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
@@ -18,7 +18,6 @@ from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.screening import Screening, Step
 from contact_estimation.diagnosis.fit.space import ContactModels
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
-from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np
 import pytest
@@ -54,13 +53,6 @@ def test_standard_deviations_cover_the_errors() -> None:
         errors += list((np.array(found.model.values) - (K_e, B_e))
                        / standard_deviations([recording], found))
     assert np.sqrt(np.mean(np.square(errors))) < 3.0
-
-
-def test_inertia_is_fitted_where_the_wall_has_one() -> None:
-    model = Model.of(nominal(environment__inertia=2.0, environment__unilateral=False))
-    assert model.values == (K_e, B_e, 2.0)
-    assert model.laws().contact.inertia == 2.0
-    assert model.with_effect('force_bias', (1.0,)).place('force_bias') == slice(3, 4)
 
 
 FRICTION = 6.0

@@ -1,17 +1,22 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Residuals of correct and wrong models in the channels of a recording."""
+"""Residuals of right and wrong models: their channels, dependences and location."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 
-from concealed_worlds import FORCE_NOISE, prepared_from, recorded
+from concealed_worlds import FORCE_NOISE, physics, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.dependence import Dependence, dependences
+from contact_estimation.diagnosis.conclude.location import guess_port, intervals
+from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import force_residual, residuals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.usable_samples import force_drops
 import numpy as np
 from numpy.typing import NDArray
@@ -77,10 +82,76 @@ def test_force_drops_during_contact_are_found() -> None:
     np.testing.assert_array_equal(found, expected)
 
 
-def test_reference_reaches_a_late_robot_later() -> None:
+EFFECTS = {
+    'coulomb_friction': (2.0,), 'cubic_stiffness': (3e6,), 'force_drift': (0.6,),
+    'tool_inertia': (1.0,), 'robot_friction': (3.0,),
+}
+
+
+@lru_cache(maxsize=None)
+def recalibrated(name: str = '') -> tuple[PreparedRecording, Model]:
+    """Fit stiffness and damping alone in the world of an effect, '' for none."""
+    recording, model = prepared_from(recorded(**physics(name, *EFFECTS[name]) if name else {}))
+    recording = discounted(recording, model)
+    return recording, fit([recording], model).model
+
+
+def found_in(name: str, channel: str) -> dict[str, Dependence]:
+    """Test the residual of one channel."""
+    every = dependences(*recalibrated(name), np.random.default_rng(0))
+    return {one.on: one for one in every if one.channel == channel}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name, channel, on', [
+    ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
+    ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),
+    ('robot_friction', 'motion', 'its own past'),
+])
+def test_residual_depends_on_the_quantity_of_the_missing_law(
+    name: str, channel: str, on: str
+) -> None:
+    found = found_in(name, channel)
+    assert found[on].is_real
+    others = [one.share for key, one in found.items() if key not in ('its own past', 'frequency')]
+    assert found[on].share >= max(others)
+
+
+WORLDS = [
+    ('coulomb_friction', (2.0,), 'contact'),
+    ('cubic_stiffness', (3e6,), 'contact'),
+    ('moving_environment', (0.0003, 1.7, 0.7), 'contact'),
+    ('viscoelastic_relaxation', (500.0, 0.15), 'contact'),
+    ('force_bias', (2.0,), 'force_sensor'),
+    ('force_drift', (0.3,), 'force_sensor'),
+    ('force_saturation', (70.0,), 'force_sensor'),
+    ('tool_inertia', (1.0,), 'force_sensor'),
+    ('robot_friction', (3.0,), 'robot'),
+    ('reflected_inertia', (1.5,), 'robot'),
+    ('actuator_saturation', (90.0,), 'robot'),
+]
+
+
+def refitted(signals: Signals) -> tuple[PreparedRecording, Model]:
+    """Fit stiffness and damping alone."""
+    recording, model = prepared_from(signals)
+    recording = discounted(recording, model)
+    return recording, fit([recording], model).model
+
+
+@pytest.mark.slow
+def test_port_of_an_effect_is_guessed_from_its_residuals() -> None:
+    for name, values, expected in WORLDS:
+        recording, model = refitted(recorded(**physics(name, *values)))
+        assert guess_port(recording, model) == expected, (name, values, expected)
+
+
+def test_intervals_are_where_the_energy_is() -> None:
     recording, _ = prepared_from(recorded())
-    o = recording.observed
-    assert o.reference is not None
-    late = o.reference_at(3.0 * o.h)
-    np.testing.assert_allclose(late[:, 3:], o.reference[:, :-3], atol=1e-9)
-    np.testing.assert_array_equal(o.reference_at(0.0), o.reference)
+    step = recording.observed.h * recording.block
+    energy = np.ones(round(7.0 / step))
+    energy[round(2.0 / step):round(2.5 / step)] = 20.0
+    energy[round(2.6 / step):round(3.0 / step)] = 20.0
+    energy[round(5.0 / step):round(5.4 / step)] = 20.0
+    found = intervals(recording, energy)
+    assert np.array(found) == pytest.approx(np.array([[2.0, 3.0], [5.0, 5.4]]), abs=0.1)

@@ -16,8 +16,6 @@ from contact_estimation.blind_trials.family_scoring import (
     SILENT,
     WRONG,
 )
-from contact_estimation.blind_trials.reliability import reliability
-import pytest
 
 LUGRE: dict[str, Any] = {
     'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
@@ -61,16 +59,6 @@ def test_the_family_of_the_first_name_decides() -> None:
     ]:
         score = scored(LUGRE, *names)
         assert (score.outcome, score.surplus, score.kind) == (outcome, surplus, 'foreign'), names
-
-
-def test_reliability_counts_every_name_in_its_bin() -> None:
-    scores = [scored(LUGRE, 'coulomb_friction:0.95'), scored(LUGRE, 'force_lag:1.0'),
-              scored(LUGRE, 'coulomb_friction:0.75', 'force_lag:0.72'),
-              scored(CLEAN, 'force_lag:0.6'), scored(LUGRE)]
-    table = reliability(scores)
-    assert [row.names for row in table] == [0, 1, 2, 0, 2]
-    assert [row.share_right for row in table] == [None, 0.0, 0.5, None, 0.5]
-    assert table[4].mean == pytest.approx(0.975)
 
 
 def test_text_and_json_hold_shares_reliability_and_misses() -> None:

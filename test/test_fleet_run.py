@@ -109,20 +109,6 @@ def test_equal_recordings_are_diagnosed_once(
     assert len(workers.done) == 3
 
 
-def test_an_interrupted_run_resumes_to_the_same_table(
-    recordings: Path, tmp_path: Path, quickly: None
-) -> None:
-    pytest.importorskip('pyarrow')
-    first, second = InThisProcess(stop_after=2), InThisProcess()
-    with pytest.raises(KeyboardInterrupt):
-        run(recordings, tmp_path / 'a', first)
-    fleets = [run(recordings, tmp_path / 'a', second),
-              run(recordings, tmp_path / 'b', InThisProcess())]
-    assert (len(first.done), len(second.done)) == (2, 1)
-    assert not set(first.done) & set(second.done)
-    assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
-
-
 def test_pyarrow_that_does_not_fit_to_numpy_is_an_error_with_a_remedy(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -181,23 +167,6 @@ def test_wrong_options_are_refused_in_one_line(
     fleet = Command('fleet', command_module.main, capfd)
     assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
                                  *options)
-
-
-@pytest.mark.slow
-def test_dask_gives_the_same_table_as_this_process(
-    recordings: Path, tmp_path: Path, whole: Fleet, capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for package in ('distributed', 'pyarrow', 'matplotlib'):
-        pytest.importorskip(package)
-    model = write_model(tmp_path / 'model.yaml')
-    fleet = Command('fleet', command_module.main, capfd)
-    ended = fleet(recordings, '--nominal', model, '--output', tmp_path / 'out', '--jobs', '2',
-                  '--no-pages', '--pooled', '0')
-    assert ended.code == 0, ended
-    assert ended.out.startswith('4 recordings in 1 group, 0 finished before, 1 with an error')
-    assert (tmp_path / 'out/table.parquet').read_bytes() == as_parquet(
-        whole.entries, SETTINGS.model_sha256)
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from math import nan
 from typing import Any
 
 from axes_runs import (
@@ -30,11 +29,9 @@ from contact_estimation.estimation.result import Result
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
-import numpy as np
 import pytest
 
 SAMPLES = instants()
-FREE = SAMPLES[:5]
 
 
 def estimates_by_axis(results: list[Result]) -> dict[str, list[Any]]:
@@ -58,36 +55,6 @@ def test_reference_is_that_of_the_contact_axis_alone() -> None:
     session = session_of_axis('x', force_reference=20.0)
     single = feed_axis(session, [s.of_axis('x') for s in SAMPLES])
     assert repr([r.reference for r in together]) == repr([r.reference for r in single])
-
-
-def as_columns(samples: list[Instant]) -> tuple[Any, ...]:
-    """Return samples as the arguments of `add_pairs`."""
-    stamps, positions, velocities, forces = zip(*samples)
-    columns = [list(np.array(c).T) for c in (forces, positions, velocities)]
-    return np.array(stamps, np.int64), *columns
-
-
-def test_message_with_an_invalid_component_updates_no_axis() -> None:
-    for axis in range(3):
-        for field, value, reason in [
-            ('forces', nan, 'wrench_not_finite'), ('forces', 1e7, 'wrench_absurd'),
-            ('positions', nan, 'joint_not_finite'), ('positions', -1e5, 'joint_absurd'),
-            ('velocities', 1e5, 'joint_absurd'),
-        ]:
-            def spoiled(sample: Instant) -> Instant:
-                values = list(getattr(sample, field))
-                values[axis] = value
-                return Instant(**{**sample._asdict(), field: tuple(values)})
-
-            session = session_of_axes()
-            assert session.add_pairs(*as_columns([spoiled(s) for s in FREE])) is None, axis
-            results = feed_axes(session, [*SAMPLES[:500], spoiled(SAMPLES[500]), *SAMPLES[501:]])
-            rest = feed_axes(session_of_axes(), SAMPLES[:500])
-            assert session.rejected[reason] == 1, (axis, field, value, reason)
-            assert repr(results[:500]) == repr(rest), (axis, field, value, reason)
-            stamps = [r.sample.stamp_ns for r in results]
-            assert all({e.stamp_ns for e in r.estimates} == {r.sample.stamp_ns} for r in results)
-            assert field != 'forces' or SAMPLES[500].stamp_ns not in stamps, axis
 
 
 def biased(samples: list[Instant], count: int) -> list[Instant]:

@@ -105,46 +105,6 @@ def test_a_wall_elsewhere_is_followed_and_told(metres: float, side: str) -> None
     assert abs(last.stiffness - K_E) < 3.0 * last.stiffness_std < 0.05 * K_E
 
 
-@pytest.mark.parametrize('seed', range(6))
-def test_five_milliseconds_are_told_in_whatever_noise(seed: int) -> None:
-    samples = contact_samples(2.0, K_E, B_E, force_noise=0.6, position_noise=1e-6, seed=seed)
-    session, _ = fed(samples, wrench_late_ms=5)
-    name, text = headline(session)
-    assert name == 'stamp_skew'
-    assert re.search('[456] ms late', text)
-
-
-def test_force_on_another_axis_is_named() -> None:
-    session = ContactSession(EstimationParameters(), generate_reference=False)
-    for stamp, x, v, F in HEALTHY:
-        session.add_motion(stamp, x, v)
-        session.checks.wrenches.append((stamp, 0.0, 7.0, F))
-        session.add_wrench(stamp, 0.0)
-    name, text = headline(session)
-    assert name == 'force_axis'
-    assert 'along z' in text and 'set axis to z' in text
-
-
-def mixed(kind: str) -> Change:
-    """Mix a second source into the forces."""
-    draw, count = np.random.default_rng(5), iter(range(10**6))
-
-    def change(sample: ContactSample) -> ContactSample:
-        k, second = next(count), -3.0 if kind == 'sensor' else 0.0
-        mine = draw.uniform() < 0.35 if kind == 'at random' else k % 2 == 1
-        return sample._replace(force=second) if mine else sample
-
-    return change
-
-
-@pytest.mark.parametrize('kind', ['zeros', 'sensor', 'at random'])
-def test_two_sources_of_the_force_are_told_and_withheld(kind: str) -> None:
-    session, estimates = fed(change=mixed(kind))
-    name, text = headline(session)
-    assert name == 'two_forces' and 'two publishers or two sensors on the topic wrench' in text
-    assert isnan(estimates[-1][0].stiffness_std)
-
-
 @pytest.mark.parametrize('apart_ns', [0, 2_000, 200_000])
 def test_stamps_of_the_wrench_in_bursts_are_told_whatever_their_steps(apart_ns: int) -> None:
     session = ContactSession(EstimationParameters(), generate_reference=False)
@@ -217,27 +177,6 @@ def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
     apply_event(session, EstimationEvent.from_text(event.to_text()))
     assert session.parameters.environment.location == x
     assert not session.checks.warnings()
-
-
-@pytest.mark.parametrize('press, caution', [
-    (0.0, 'the tool is not in contact'), (24.0, 'which takes it 8 mm into'), (4.0, '')])
-def test_set_location_is_doubted_unless_the_tool_touches_lightly(
-    press: float, caution: str
-) -> None:
-    free, last = HEALTHY[:150], HEALTHY[149]
-    resting = [last._replace(stamp_ns=last.stamp_ns + k * 2 * MILLISECOND, velocity=0.0,
-                             force=-press) for k in range(1, 20)]
-    session, _ = fed([*free, *resting], at(0.4))
-    done, message, _ = set_location(session)
-    assert done and session.pipeline.contact == (press > 0.0)
-    assert (caution in message) if caution else ('caution' not in message)
-
-
-def test_noise_far_above_the_configured_one_is_named() -> None:
-    noise = np.random.default_rng(0).normal(0.0, 1.0, 1000).tolist()
-    free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
-    session, _ = fed(free, contact__force_noise=0.05)
-    assert headline(session)[0] == 'force_noise'
 
 
 @pytest.mark.parametrize('seed, velocity_noise', [

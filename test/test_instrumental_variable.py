@@ -1,23 +1,27 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Instrumental variables against the batch form, and against estimators that noise biases."""
+"""Instrumental variables, and the compliance and target of a robot."""
 
 from __future__ import annotations
 
 from functools import lru_cache
+from math import nan
 from typing import Any
 
+from contact_estimation.estimation.target_pose import step_along
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.instrumental_variable import (
-    InstrumentalVariable,
-    InstrumentalVariableParameters,
+    InstrumentalVariable, InstrumentalVariableParameters,
 )
-from core_runs import closed_loop, estimates_of, pipeline_with
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.reference.parameters import PoseLimits
+from core_runs import closed_loop, contact_samples, estimates_of, pipeline_with
 from core_steps import known, learn
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+
 
 K, B, T, LAG = 4800.0, 200.0, 0.002, 10
 POSITION_NOISE, SEEDS = 1e-4, 3
@@ -92,3 +96,49 @@ def test_claimed_std_is_the_spread_over_noise(memory_s: float) -> None:
             learn(of, T, row, 0.25)
         finals.append([of.stiffness, of.damping])
     np.testing.assert_allclose(np.std(finals, axis=0), known(of)[2:4], rtol=0.25)
+
+
+C = 2e-5
+
+
+@pytest.mark.parametrize('K_e', [5e3, 3e4])
+def test_the_estimate_is_that_of_the_wall_behind_a_compliant_robot(K_e: float) -> None:
+    samples = [
+        s._replace(position=s.position - C * s.force, velocity=float('nan'))
+        for s in contact_samples(2.0, K_e=K_e, B_e=K_e * 2e-3, depth=50.0 / K_e,
+                                 amplitude=10.0 / K_e)
+    ]
+    plain, known = (
+        estimates_of(samples, pipeline_with(
+            estimator='rls_adaptive', contact__force_noise=1e-3, robot__compliance=compliance))[-1]
+        for compliance in (0.0, C)
+    )
+    assert plain.stiffness == pytest.approx(K_e / (1.0 + C * K_e), rel=3e-3)
+    assert known.stiffness == pytest.approx(K_e, rel=3e-3)
+    assert known.damping == pytest.approx(K_e * 2e-3, rel=0.1)
+
+
+DOWN = (0.0, 0.0, -1.0)
+BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
+
+
+@pytest.mark.parametrize('position, step, expected', [
+    ((0.0, 0.0, 0.3), 0.02, 0.02),
+    ((0.0, 0.0, 0.3), 0.20, 0.05),  # the lead
+    ((0.0, 0.0, 0.3), -0.20, -0.05),
+    ((0.0, 0.0, 0.12), 0.04, 0.02),  # the floor of the box
+    ((0.0, 0.0, 0.08), 0.04, -0.02),  # back into it
+    ((0.0, 0.0, 0.0), 0.04, None),  # further out than the lead
+    ((0.0, 1.5, 0.3), 0.01, None),  # beside it
+    ((0.0, 0.0, 0.3), nan, None),
+])
+def test_steps_stay_within_lead_and_box(
+    position: tuple[float, ...], step: float, expected: float | None
+) -> None:
+    assert step_along(position, DOWN, step, BOX) == (
+        None if expected is None else pytest.approx(expected))
+
+
+def test_an_empty_box_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match=r'lower must be <= .*got \[0.0, 0.0, 2.0'):
+        PoseLimits(lower=(0.0, 0.0, 2.0), upper=(1.0, 1.0, 1.0))

@@ -1,22 +1,23 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
-"""Configuration, summary and figure of the loop, on a synthetic run."""
+"""Summary of the loop, and its excitation and experiments."""
 
 from __future__ import annotations
 
+from math import sin
 from pathlib import Path
 
+from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.reference.excitation import Multisine, register_sequence
+from contact_estimation.reference.experiments import FORCE_EXCITATION
 from contact_estimation.ros.loop_configuration import (
-    configure,
-    LoopConfiguration,
-    write_parameters,
+    configure, LoopConfiguration, write_parameters,
 )
 from contact_estimation.ros.loop_figure import plot_run
 from contact_estimation.ros.loop_run import RecordedRun
-from contact_estimation.ros.loop_summary import gap_explained, summarise
+from contact_estimation.ros.loop_summary import summarise
 import numpy as np
 import pytest
 
@@ -51,16 +52,6 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
 
 
-@pytest.mark.parametrize('mean, law, explained', [
-    (25.0, 25.5, True), (25.0, 30.0, False), (49.8, 49.8, False), (25.0, None, False),
-])
-def test_eq20_explains_a_gap_that_it_predicts(
-    mean: float, law: float | None, explained: bool
-) -> None:
-    summary = {'mean_force_n': mean, 'desired_force_n': 50.0, 'eq20_force_n': law}
-    assert gap_explained(summary) == explained
-
-
 def test_figure_shows_signals_estimates_and_true_values() -> None:
     pytest.importorskip('matplotlib')
     configuration = configure('sine')
@@ -87,3 +78,34 @@ def test_configuration_gives_the_estimator_the_robot_of_the_plant(tmp_path: Path
     assert estimator['estimator'] == 'kalman'
     plant = read_parameter_file(tmp_path / 'out.yaml', 'plant_node')
     assert plant['seed'] == 3 and plant['summary_file'] == str(tmp_path / 'plant.json')
+
+
+def shift_register() -> list[int]:
+    """Run ten bits of an integer, bit k - 1 is register k; feedback from 7 and 10."""
+    state, bits = 0b1111111111, []
+    for _ in range(2046):
+        bits.append(state >> 9 & 1)
+        state = (state << 1 | (state >> 6 ^ state >> 9) & 1) & 0b1111111111
+    return bits
+
+
+def test_register_is_that_of_integer_bit_operations() -> None:
+    assert list(register_sequence()) == shift_register()[:1023]
+
+
+def test_sine_is_that_of_the_paper() -> None:
+    sine = FORCE_EXCITATION['sine']
+    assert sine is not None
+    assert all(sine.value(t) == pytest.approx(8.0 * sin(20.0 * t)) for t in (0.0, 0.1, 5.9))
+
+
+def test_multisine_peak_is_its_amplitude() -> None:
+    multisine = FORCE_EXCITATION['multisine']
+    assert multisine is not None
+    values = [abs(multisine.value(t)) for t in np.arange(0.0, 10.0, 1e-3).tolist()]
+    assert max(values) == pytest.approx(8.0, rel=0.01)
+
+
+def test_multisine_without_frequencies_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='at least one frequency'):
+        Multisine(1.0, [])

@@ -7,23 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
-from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.values import build
-from contact_estimation.plant.closed_loop import run_closed_loop
-from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.experiments import experiment_named
 from core_runs import closed_loop, PAPER_SENSORS, Run
 from core_steps import known, learn
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from scipy.integrate import solve_ivp
 
 CORNERS = [(25.0, 100.0), (25.0, 300.0), (75.0, 100.0), (75.0, 300.0)]  # of (50, 200)
 MOVING_S = 4.4  # the manoeuvre rests before
@@ -76,31 +68,6 @@ def test_arm_is_within_a_fifth_of_a_millimetre_of_the_model_after_two_seconds(
     arm: tuple[float, float], experiment: str
 ) -> None:
     assert np.max(np.abs(model_errors(arm_run(arm, experiment)))) < 2e-4
-
-
-def test_bare_arm_without_control_is_refused() -> None:
-    plant = build(PlantParameters, {'robot.control': 'force'})
-    session = ContactSession(build(EstimationParameters, {'estimator': 'kalman'}))
-    with pytest.raises(ParameterRangeError, match='expected mrac, got kalman'):
-        run_closed_loop(plant, session, experiment_named('sine'), 0.1)
-
-
-def test_memory_averages_eq_25_over_the_last_second() -> None:
-    gains = np.array([5e4, 2.5e3])
-
-    def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        theta, R, Q = y[:2], y[2:6].reshape(2, 2), y[6:]
-        phi = np.array([0.01 + 0.002 * np.sin(20.0 * t), 0.04 * np.cos(20.0 * t)])
-        share = 1.0 / min(max(t, 1e-4), 1.0)
-        R_dot = share * (np.outer(phi, phi) - R)
-        Q_dot = share * (phi * (phi @ [4800.0, 200.0]) - Q)
-        return np.concatenate([-gains * (R @ theta - Q), R_dot.ravel(), Q_dot])
-
-    expected = solve_ivp(rates, (0.0, 1.0), [3000.0, 50.0, *[0.0] * 6], max_step=1e-3).y[:2, -1]
-    averaging = estimator()
-    for row in rows_of(500):
-        learn(averaging, 0.002, row)
-    np.testing.assert_allclose(known(averaging)[:2], expected, rtol=0.01)
 
 
 def test_lyapunov_function_of_eq_24_never_grows_without_noise() -> None:

@@ -8,24 +8,17 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Sequence
 
 from contact_estimation.diagnosis.conclude.candidates import candidates, Reach, scaling_test
-from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.conclude.next_experiment import choose, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.fit.fitting import fit, residual_function
-from contact_estimation.diagnosis.fit.model_uncertainty import discounted
-from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.observed import observe
-from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
-from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
+from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.reference.experiment import Experiment
 from contact_estimation.reference.experiment_file import experiment_text
 from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
-from diagnosed_worlds import diagnosed, recorded
+from diagnosed_worlds import diagnosed
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
 
 REACH = Reach(0.1, 0.02, 0.008, 3.0, 0.15, 0.06)
 STEP = 5e-4
@@ -40,14 +33,6 @@ def open_question() -> Diagnosis:
     rival = fit(d.recordings, start).model
     effect = replace(d.effects[0], indistinguishable_from=['quadratic_damping'])
     return replace(d, effects=[effect], rivals={'quadratic_damping': rival})
-
-
-def least_cost(recordings: Sequence[PreparedRecording], model: Model) -> float:
-    """Fit a model without bending large residuals, by scipy alone."""
-    function = residual_function(recordings, model, robust=False)
-    start = np.array(model.values)[model.free]
-    found = least_squares(function, start, x_scale=np.abs(start), diff_step=1e-4)
-    return float(2.0 * found.cost)
 
 
 def motion(experiment: Experiment) -> np.ndarray:
@@ -95,27 +80,6 @@ def test_proposal_names_pair_and_experiment() -> None:
     assert proposal.experiment.duration == pytest.approx(
         3.0 * next(c.experiment.duration for c in candidates(reach_of(open_question()))
                    if c.words in proposal.text))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('index', [0, 3, 6])
-def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index: int) -> None:
-    d = open_question()
-    (rival,) = d.rivals.values()
-    experiment = candidates(reach_of(d))[index].experiment
-    predicted = Judge(d).least_difference(experiment).strength
-    F_c = d.effects[0].parameters['F_c'].value
-    observed = observe(recorded(experiment, seed=7, physics__coulomb_friction__F_c=F_c),
-                       d.nominal.nominal)
-    old = d.recordings[0]
-    new = discounted(replace(
-        old, observed=observed, use=usable(d.nominal, observed), held_out=None,
-        block=default_block(observed)), d.corrected)
-    both, before = ([*d.recordings, new], d.recordings)
-    gained = least_cost(both, rival) - least_cost(both, d.corrected)
-    already = least_cost(before, rival) - least_cost(before, d.corrected)
-    # The prediction is linear, and knows the old recording by its curvature alone.
-    assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
 def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:

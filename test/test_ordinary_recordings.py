@@ -66,20 +66,6 @@ def test_relaxation_of_minutes_is_named_at_1_hz() -> None:
     assert found.effects[0].parameters['tau'].value == pytest.approx(200.0, rel=0.05)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('metre, newton', [(1.0, 1.0), (1e6, 1e3), (1e-6, 1e-6)])
-def test_names_do_not_depend_on_units(metre: float, newton: float) -> None:
-    t: Array = 0.002 * np.arange(4000.0)
-    x = 1e-3 * np.sin(3.0 * t) * np.sin(0.7 * t)
-    noise = np.random.default_rng(1).normal(size=(2, len(t)))
-    force = -(5e3 * x + 4e9 * x**3 + 20.0 * np.gradient(x, t)) + 0.01 * noise[0]
-    signals = signals_of(t, newton * force, metre * (x + 1e-7 * noise[1]))
-    unit = newton / metre
-    found = diagnosed(signals, attached(stiffness=6e3 * unit, damping=10.0 * unit))
-    assert named(found) == ['cubic_stiffness']
-    assert found.stiffness.value == pytest.approx(5e3 * unit, rel=0.02)
-
-
 APART = (1e-3, -1.3e-3, 0.2e-3)
 TURNS = ((2.85, 3.2), (5.0, 5.35))
 """Between the contacts, while the tool is away."""

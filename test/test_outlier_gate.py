@@ -46,14 +46,6 @@ def test_spike_becomes_the_force_of_the_line(spike: float) -> None:
     np.testing.assert_array_equal(np.delete(got, 200), np.delete(given, 200))
 
 
-def test_change_is_believed_after_so_many_samples() -> None:
-    gate, given = OutlierGate(6.0, 5), forces()
-    given[200:] += 60.0
-    got = replaced(given, gate)
-    assert gate.count == 4
-    np.testing.assert_array_equal(got[204:], given[204:])
-
-
 @EACH
 def test_spikes_in_1_percent_of_the_samples_move_the_stiffness_by_less_than_2_percent(
     estimator: str

@@ -16,7 +16,6 @@ from contact_estimation.recordings import OfferedQos, RecordingReader, Recording
 from mcap.reader import make_reader
 import pytest
 from rosbags.highlevel import AnyReader
-import yaml
 
 WRENCH = 'geometry_msgs/msg/WrenchStamped'
 STRING = 'std_msgs/msg/String'
@@ -75,21 +74,6 @@ def test_rosbags_finds_definition_hash_and_qos(folder: Any) -> None:
         assert 'MSG: geometry_msgs/Wrench' in connection.msgdef.data
         extension: Any = connection.ext
         assert extension.offered_qos_profiles[0].reliability.name == 'BEST_EFFORT'
-
-
-def test_metadata_yaml_is_that_of_rosbag2_version_9(folder: Any) -> None:
-    content = yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
-    assert content['version'] == 9
-    assert content['storage_identifier'] == 'mcap'
-    assert content['relative_file_paths'] == ['run_0.mcap']
-    assert content['message_count'] == 1010
-    assert content['starting_time']['nanoseconds_since_epoch'] == START_NS + 5
-    assert content['duration']['nanoseconds'] == 999 * PERIOD_NS
-    assert content['ros_distro'] == 'jazzy'
-    topic = content['topics_with_message_count'][0]
-    assert topic['message_count'] == 1000
-    assert topic['topic_metadata']['type_description_hash'].startswith('RIHS01_')
-    assert topic['topic_metadata']['offered_qos_profiles'][0]['reliability'] == 'best_effort'
 
 
 def test_mcap_reads_a_single_file(tmp_path: Path) -> None:

@@ -5,13 +5,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from contact_estimation.benchmarks.record_score import class_of
-from contact_estimation.benchmarks.records import find_records
-from contact_estimation.exceptions import RecordingError
-import pytest
 
 FRICTION = {'acceptable_names': ['coulomb_friction']}
 CLEAN: dict[str, Any] = {'effects': []}
@@ -47,17 +43,3 @@ def test_the_family_of_the_first_name_decides() -> None:
         (CLEAN, ['contact_offset'], 'rightly silent'),
     ]:
         assert class_of(truth, report(*names)) == expected, (truth, names, expected)
-
-
-@pytest.mark.parametrize(('content', 'message'), [
-    ('{', 'must be JSON'), ('[]', 'must be a JSON object, got list'),
-    ('{"notes": ""}', 'must have acceptable_names, effects or families, got notes'),
-])
-def test_wrong_truth_is_refused_before_any_diagnosis(
-    tmp_path: Path, content: str, message: str
-) -> None:
-    for suffix in ('mcap', 'nominal.yaml'):
-        (tmp_path / f'a.{suffix}').touch()
-    (tmp_path / 'a.truth.json').write_text(content)
-    with pytest.raises(RecordingError, match=message):
-        find_records(tmp_path)

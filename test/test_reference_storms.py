@@ -12,7 +12,7 @@ from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
-from contact_estimation.reference.setpoints import Desired, Reference
+from contact_estimation.reference.setpoints import Desired
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import contact_samples, PERIOD_NS
@@ -102,27 +102,3 @@ def test_after_a_clock_jump_the_reference_goes_on_from_the_last() -> None:
     x_r = positions([before[-1], *after])
     assert session.time_jumps == 1 and len(after) == 9
     assert max(np.abs(np.diff(x_r))) <= SPEED * T * (1.0 + 1e-9)
-
-
-def test_the_reach_from_a_surface_found_stays_until_a_reset() -> None:
-    session = ContactSession(build(EstimationParameters, {
-        'environment.location': nan, 'reference.maximum_depth': 0.004}))
-    results = fed(session, [
-        s._replace(stamp_ns=s.stamp_ns + 10**9) for s in contact_samples(0.5)])
-    assert abs(results[-1].estimate.location) < 1e-3  # as found
-    lost = results[-1].estimate._replace(location=nan, stiffness=nan)
-    session.stream.add(1, Desired(1.0, 0.0, 0.0, nan))
-
-    def moved() -> Reference:
-        """Return where x_r is after 2 s with such an estimate."""
-        for _ in range(1000):
-            sample = results[-1].sample
-            session.stream.arrive((moved_ns[0], moved_ns[0]))
-            x_r = session.stream.step(sample._replace(stamp_ns=moved_ns[0]), lost)
-            moved_ns[0] += PERIOD_NS
-        return x_r
-
-    moved_ns = [results[-1].sample.stamp_ns + PERIOD_NS]
-    assert moved().position == pytest.approx(0.004, abs=1e-3)
-    session.reset()
-    assert moved().position > 0.3

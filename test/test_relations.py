@@ -16,7 +16,6 @@ from scipy.integrate import solve_ivp
 
 M, B, K, T = 3.0, 200.0, 4800.0, 0.002
 THETA_2, THETA_3 = np.array([K, B]), np.array([K, B, M])
-BOTH = pytest.mark.parametrize('cls', [VelocityRelation, TustinRelation])
 
 
 def press(t: float) -> float:
@@ -69,15 +68,6 @@ def test_trapezoid_without_velocity_is_exact_for_parabolic_motion() -> None:
         rows.append(row_of(relation, T, d, nan, K * d + B * v, True))
     made = np.array(rows[1:])
     np.testing.assert_allclose(made[:, 1:3] @ THETA_2, made[:, 0], rtol=1e-12)
-
-
-@BOTH
-@pytest.mark.parametrize('velocity', [nan, 0.1])
-def test_there_is_no_row_outside_contact(cls: type[Relation], velocity: float) -> None:
-    relation = cls(T)
-    rows = [row_of(relation, T, 0.01 + 0.001 * k, velocity, 1.0, k < 4) for k in range(8)]
-    assert rows[3] is not None
-    assert rows[4:] == [None] * 4
 
 
 @pytest.mark.parametrize('cls, needed', [(VelocityRelation, 2), (TustinRelation, 3)])

@@ -154,41 +154,12 @@ def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
     assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
 
 
-def test_recording_cut_anywhere_never_causes_a_traceback(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    path, whole = tmp_path / 'cut.mcap', recording.read_bytes()
-    for size in range(5, len(whole), len(whole) // 40):
-        path.write_bytes(whole[:size])
-        ended = command(path)
-        assert ended.code == 0 or len(ended.err.strip().splitlines()) == 1, size
-
-
 def test_missing_topic_is_named_with_the_available_ones(
     tmp_path: Path, command: Command
 ) -> None:
     path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
     line = command.refusal(path)
     assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
-
-
-WRONG = [
-    (['--estimator', 'kalmann'], "did you mean 'kalman'"),
-    (['--topic', 'wrench=/a'], 'NAME:=TOPIC'),
-    (['--topic', 'wrench:='], 'NAME:=TOPIC'),
-    (['--topic', 'force:=/a'], 'wrench'),
-    (['--topic', 'wrench:=/nothing'], '/nothing'),
-    (['--axis', 'w'], '--axis'),
-    (['--params', 'nowhere.yaml'], 'nowhere.yaml'),
-    (['--nonsense'], '--nonsense'),
-]
-
-
-@pytest.mark.parametrize('wrong, text', WRONG, ids=[' '.join(w[0]) for w in WRONG])
-def test_wrong_option_is_refused(
-    recording: Path, command: Command, wrong: list[str], text: str
-) -> None:
-    assert text in command.refusal(recording, *wrong)
 
 
 @pytest.mark.parametrize('text, part', [

@@ -5,17 +5,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-import json
 from pathlib import Path
-from typing import Any
 
 from blind_worlds import EXPERIMENT, ROBOT, WALL, WORLD
 from contact_estimation.blind_trials.nuisances import Nuisances
 from contact_estimation.blind_trials.rig import Rig, simulate_rig
-from contact_estimation.blind_trials.rig_trial import draw_rig_trial, magnitudes_of
 from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.trial_files import TrialFiles, write_rig_trial
 from contact_estimation.blind_trials.worlds import SensorModel
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.foreign_laws import ALL_LAWS
@@ -48,30 +43,6 @@ def test_a_rig_without_nuisances_and_law_moves_as_the_plant() -> None:
 
 
 # -- plan and files ---------------------------------------------------------------------------
-
-
-def written(folder: Path, law: str, stage: str) -> tuple[TrialFiles, dict[str, Any]]:
-    """Write a trial on a rig of a given stage."""
-    rng = np.random.default_rng(8)
-    trial = draw_rig_trial('', rng)
-    while trial.rig.stage != stage:
-        trial = draw_rig_trial('', rng)
-    values = ALL_LAWS[law].draw(magnitudes_of(trial.rig, run_of(trial.rig)), rng)(0.3)
-    files = TrialFiles.of(folder, 'trial_x')
-    write_rig_trial(replace(trial, law=law, values=values, degree=3.0), files, rng)
-    return files, json.loads(files.truth.read_text())
-
-
-@pytest.mark.slow
-def test_the_truth_holds_law_families_and_nuisances(tmp_path: Path) -> None:
-    _, truth = written(tmp_path / 'known', 'lugre_friction', 'press')
-    assert (truth['law'], truth['families'], truth['unknown']) == (
-        'lugre_friction', ['friction', 'hysteresis'], None)
-    assert set(truth['nuisances']) >= {'bias', 'cable', 'hum', 'cubic', 'robot_friction'}
-    _, truth = written(tmp_path / 'unknown', 'soft_spell', 'specimen')
-    assert (truth['families'], truth['verdict']) == ([], 'unexplained')
-    first, last = truth['parameters']['first'], truth['parameters']['last']
-    assert all(first - 0.1 < a < b < last + 0.1 for a, b in truth['unknown']['intervals_s'])
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-import time
 from typing import Any, Iterator, NamedTuple
 
 import pytest
@@ -130,24 +129,6 @@ def test_reference_is_followed_from_its_stamp_on_and_not_before(
     positions = user.positions()
     assert {x for stamp, x in positions.items() if stamp <= later} == {START}
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
-
-
-def test_plant_in_lockstep_is_as_slow_as_the_answers(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    file = tmp_path / 'summary.json'
-    with node_process(tmp_path, 'plant_node', experiment=still, duration=0.02, lockstep=True,
-                      summary_file=file) as process:
-        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
-        for count in range(1, 11):
-            user.spin_until(lambda: len(user.heard['wrench']) >= count, f'{count} samples')
-            time.sleep(10 * PERIOD_NS * 1e-9)  # a slow machine
-            last = list(user.heard['wrench'])[count - 1]
-            user.follow.publish(trajectory(last + PERIOD_NS, START, 0.0))
-        user.hear_to_the_end(process, 10)
-    summary = json.loads(file.read_text())
-    assert (summary['samples_sent'], summary['samples_lost']) == (10, 0)
-    assert summary['rate_hz'] < 50.0
 
 
 def test_force_in_the_effort_presses_a_robot_that_tracks_force(

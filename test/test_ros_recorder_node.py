@@ -80,29 +80,6 @@ def test_killed_recorder_leaves_all_that_was_flushed(tmp_path: Path) -> None:
     assert RecordingReader(folder).truncated
 
 
-def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
-    folder, reliable = tmp_path / 'recording', Sensor()
-    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
-        reliable.measure_until_recorded(folder)
-
-        def subscribed() -> list[Reliability]:
-            """Return how the recorder subscribes to wrenches."""
-            offers = reliable.node.get_subscriptions_info_by_topic('/wrench')
-            return [offer.qos_profile.reliability for offer in offers]
-
-        assert subscribed() == [Reliability.RELIABLE]
-        other = Sensor(Reliability.BEST_EFFORT, 1000)
-        other.measure_until_recorded(folder, 1001)
-        assert subscribed() == [Reliability.BEST_EFFORT]
-        after = reliable.number + 2000  # beyond the numbers of the other
-        reliable.number = after
-        reliable.measure_until_recorded(folder, after + 1)
-        process.signal(signal.SIGINT)
-        assert process.end().code == 0
-    reliable.close()
-    other.close()
-
-
 def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path) -> None:
     folder = tmp_path / 'recording'
     for peer in estimator_and_peer(

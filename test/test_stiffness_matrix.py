@@ -10,8 +10,6 @@ from math import nan
 from pathlib import Path
 
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
-from contact_estimation.benchmarks.matrix_study import estimate_of as study_estimate
-from contact_estimation.benchmarks.matrix_study import make_world, score_of
 from contact_estimation.commands import replay
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
@@ -24,7 +22,6 @@ from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
 import numpy as np
-import pytest
 from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE
 
 STIFFNESSES = np.array([8000.0, 3000.0, 500.0])
@@ -59,16 +56,6 @@ def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
     found = estimator.process(samples, [True] * len(samples))[-1]
     assert (np.abs(found.stiffness - theta[:3].T) < 0.7 * found.stiffness_std).all()
     assert (np.abs(found.damping - theta[3:6].T) < 0.7 * found.damping_std).all()
-
-
-@pytest.mark.parametrize('friction', [0.0, 0.3, 0.8])
-def test_deviations_hold_behind_lagging_sensors(friction: float) -> None:
-    worlds = [make_world(k, friction, 7, 2.0) for k in range(5)]
-    scores = [score_of(study_estimate(world), world) for world in worlds]
-    assert np.mean([score.K_inside for score in scores]) >= 0.9
-    assert np.mean([score.B_inside for score in scores]) >= 0.85
-    assert max(score.K_error for score in scores) < 0.05
-    assert {score.told for score in scores} == {float(friction > 0.0)}
 
 
 def test_replay_gives_the_matrices_of_the_session(tmp_path: Path) -> None:

@@ -129,12 +129,3 @@ def test_any_arrival_within_the_time_out_gives_bit_identical_samples() -> None:
             of, expected = synchroniser(), synchroniser()
             assert send(of, shuffled) == send(expected, messages), (seed, shift_ns)
             assert of.rejected == expected.rejected, (seed, shift_ns)
-
-
-@pytest.mark.parametrize('force, count', [(149.0, 1), (151.0, 0), (-151.0, 0)])
-def test_force_beyond_the_range_of_the_sensor_is_rejected(force: float, count: int) -> None:
-    of = synchroniser()
-    of.configure(SynchronisationParameters(maximum_force=150.0))
-    of.add_motion(2 * MS, (0.0, 0.0))
-    assert len(list(of.add_wrench(2 * MS, (force,)))) == count
-    assert of.rejected['wrench_absurd'] == 1 - count

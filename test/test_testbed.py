@@ -17,7 +17,6 @@ from contact_estimation.reproduction.testbed_constants import (
     TestbedConstants,
 )
 from contact_estimation.reproduction.testbed_runs import TRACKING_TARGET
-from contact_estimation.reproduction.testbed_sensors import PaperAcquisition
 from contact_estimation.reproduction.testbed_wall import moved, pressing_force, WallState
 from contact_estimation.reproduction.testbed_world import TestbedWorld
 import numpy as np
@@ -68,10 +67,3 @@ def test_slow_cycle_dissipates_twice_friction_times_stroke() -> None:
     # Presliding reduces the work at each reversal.
     assert work == pytest.approx(full_loop, rel=0.05)
     assert work < full_loop
-
-
-def test_paper_s_processing_subtracts_the_static_friction() -> None:
-    acquisition = PaperAcquisition(TESTBED)
-    for _ in range(200):
-        force, position, velocity = acquisition.process(-40.0, 0.008)
-    assert (force, position, velocity) == pytest.approx((-34.0, 0.008, 0.0), abs=1e-6)

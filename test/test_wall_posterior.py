@@ -110,17 +110,6 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
     assert np.all(np.abs(np.array(found)[(before.t > 1.5) & (before.t < at)] - K) < 0.02 * K)
 
 
-@pytest.mark.parametrize('factor', [0.4, 3.0])
-def test_learns_another_wall_at_the_next_touch(factor: float) -> None:
-    presses = ((0.2, 2.0), (2.5, 4.5))
-    first, second = (contact(spring_damper(k * K, k * B), 4.0, presses=presses)
-                     for k in (1.0, factor))
-    mixed = first._replace(force=np.where(first.t < 2.2, first.force, second.force))
-    known = fed(mixed).known
-    assert known.stiffness == pytest.approx(factor * K, rel=0.02)
-    assert within(known.stiffness, factor * K, known.stiffness_std, 3.0)
-
-
 # -- laws ---------------------------------------------------------------------------------------
 
 def hunt_crossley(exponent: float) -> Law:

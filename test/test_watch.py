@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-import shutil
 import subprocess
 import sys
 
@@ -118,17 +117,6 @@ def test_wrong_use_is_refused(
     pytest.importorskip('rerun')
     monkeypatch.chdir(tmp_path)
     assert text in Command('watch', watch.main, capfd).refusal(*words)
-
-
-def test_a_view_replaces_no_recording(
-    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    pytest.importorskip('rerun')
-    copy = tmp_path / 'recording.rrd'
-    shutil.copy(recording, copy)
-    assert 'cannot write' in Command('watch', watch.main, capfd).refusal(
-        recording, '--save', copy)
-    assert copy.read_bytes() == recording.read_bytes()
 
 
 def test_loop_refuses_a_view_before_it_starts(
