@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from blind_worlds import synthetic_run, WORLD
 from contact_estimation.blind_trials.concealment import residual
-from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
 from contact_estimation.blind_trials.simulation import Run
 from contact_estimation.blind_trials.trial import EFFECTS_OF_A_WALL, plan_effects
-from contact_estimation.blind_trials.worlds import RandomWorld, SensorModel
+from contact_estimation.blind_trials.worlds import RandomWorld
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.scales import Scales
 import numpy as np
@@ -23,13 +22,6 @@ SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
 def rms_of(in_motion: bool, world: RandomWorld, run: Run) -> float:
     """Return the RMS residual of the contact, or that in the motion of the robot."""
     return float(np.sqrt(np.nanmean(residual(in_motion, world, run) ** 2)))
-
-
-def slow_press(count: int = 20000) -> Run:
-    """Return true signals with a linearly growing force."""
-    t = np.arange(count) / TRUTH_HZ
-    still = np.zeros(count)
-    return Run(t, 0.001 * t, still + 0.001, -10.0 * t, -10.0 * t, still, still, still)
 
 
 # -- random draws ---------------------------------------------------------------------------
@@ -74,14 +66,3 @@ def test_contact_residual_matches_the_normal_equations() -> None:
 
 
 # -- sensors --------------------------------------------------------------------------------
-
-
-def test_stamps_jitter_but_increase_and_some_samples_are_dropped() -> None:
-    sensors = SensorModel(jitter=4e-5, dropped=0.02)
-    force, joint, _, _ = measure(slow_press(), sensors, np.random.default_rng(0))
-    steps = np.diff(force.stamps) * 1e-9
-    whole = steps[steps < 0.003]
-    assert np.min(steps) > 0.0
-    assert float(np.std(whole)) == pytest.approx(4e-5 * 2.0**0.5, rel=0.1)
-    assert 0.005 < np.mean(steps > 0.003) < 0.04
-    assert list(force.stamps) != list(joint.stamps)

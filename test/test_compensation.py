@@ -136,14 +136,6 @@ def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right() -> None:
         assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.5))
 
 
-def test_physics_of_the_robot_leave_estimates_untouched() -> None:
-    for name in (n for n, cls in EFFECTS.items() if cls.port == 'robot' and n != JOINTED):
-        samples, end = recorded('coulomb_friction')
-        told, untold = (
-            EstimationPipeline(parameters_of(known)).process(samples) for known in (name, ''))
-        assert repr(told) == repr(untold), name
-
-
 def test_stiffness_behind_a_known_joint_is_that_of_the_wall() -> None:
     def slowly(t: float) -> tuple[float, float, float, float]:
         return (*quintic(-0.02, 0.02, 3.0, min(t, 3.0)), 0.0)

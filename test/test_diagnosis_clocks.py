@@ -65,20 +65,8 @@ def recorded_with_hold(period: float, **changes: Any) -> Recording:
     return Recording('held.mcap', Signals(t, samples.force, t, samples.position, stamps, rows))
 
 
-def named(recording: Recording) -> dict[str, float]:
-    """Name effects with their first parameter."""
-    return {effect.name: next(iter(effect.parameters.values())).value
-            for effect in diagnose(recording, nominal()).effects}
-
-
 @pytest.mark.parametrize('periods', [1, 5])
 def test_a_held_reference_is_no_delay(periods: int) -> None:
     found = diagnose(recorded_with_hold(periods / RATE_HZ), nominal())
     assert (found.effects, found.holds_reference) == ([], True)
     assert 'holds its reference' in as_text(found)
-
-
-def test_a_delay_beyond_the_hold_is_named() -> None:
-    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__command_delay__delay=0.02))
-    assert list(found) == ['command_delay']
-    assert found['command_delay'] == pytest.approx(0.02, abs=0.5 / RATE_HZ)

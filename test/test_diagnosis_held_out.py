@@ -5,19 +5,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 
-from concealed_worlds import diagnosed, nominal, prepared_from, recorded, touches
-from contact_estimation.diagnosis.conclude.held_out import (
-    by_part, errors_of, improvement_interval, Part,
-)
+from concealed_worlds import diagnosed, nominal, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.held_out import by_part, errors_of, Part
 from contact_estimation.diagnosis.conclude.result import Errors
-from contact_estimation.diagnosis.fit.fitting import Fit, fit
-from contact_estimation.diagnosis.fit.parts import parts_of
 from contact_estimation.diagnosis.observe.episodes import episodes, hold_out
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
-from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 from numpy.typing import NDArray
@@ -102,35 +96,8 @@ def test_errors_are_root_mean_squares_over_all_parts() -> None:
     assert [part.force.corrected for part in by_part(parts)] == pytest.approx([1.0, 0.0])
 
 
-def test_interval_of_an_improvement_holds_it() -> None:
-    generator = np.random.default_rng(1)
-    recalibrated, corrected = (s * generator.chisquare(10, 40) for s in (90.0, 10.0))
-    interval = improvement_interval([part_of(recalibrated, corrected)], np.random.default_rng(0))
-    assert interval is not None
-    low, high = interval
-    assert low < 1.0 - 1.0 / 3.0 < high
-    assert high - low < 0.2
-
-
 SPRING = nominal(environment__stiffness=1000.0, environment__damping=5.0,
                  environment__unilateral=False)
-
-
-@lru_cache(maxsize=None)
-def prepared() -> tuple[PreparedRecording, Fit]:
-    """Record two touches and fit the right model."""
-    recording, model = prepared_from(recorded(touches((0.03, 1.0), (0.024, 0.8))))
-    return recording, fit([recording], model)
-
-
-def test_parts_of_few_contacts_hold_every_sample_once_with_the_free_flight() -> None:
-    recording, base = prepared()
-    parts = parts_of([recording], base)
-    assert len(parts) == 4
-    counted = np.sum([part.there for part in parts], axis=0)
-    filled = np.concatenate([one.filled for one in recording.channels(base.model)])
-    fitted = np.tile(recording.blocks(recording.use.astype(float)) > 0.0, 2)
-    assert (counted[filled & fitted] == 1).all() and counted.max() == 1
 
 
 def spring(cubic: float, stray: float, noise_std: float = 1e-3) -> Signals:

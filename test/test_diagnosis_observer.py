@@ -1,18 +1,25 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Discrete dynamics against independent integration; innovations of right and wrong models."""
+"""Innovations, candidates and credible laws of a diagnosis."""
 
 from __future__ import annotations
 
+from typing import Any
 
+from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
+from contact_estimation.diagnosis.fit.credible import is_credible
+from contact_estimation.diagnosis.fit.fitting import fit, Fit
+from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
-    innovations,
-    kalman_filter,
-    run,
-    run_velocity,
+    innovations, kalman_filter, run, run_velocity,
 )
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.second_order import discretise
+from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -71,3 +78,100 @@ def test_kalman_filter_is_that_of_the_riccati_equation(
     gain = (A @ P @ C.T + cross) / S
     np.testing.assert_allclose(denominator, np.poly(A - gain @ C), atol=1e-5)
     assert std == pytest.approx(np.sqrt(S), rel=1e-4)
+
+
+TO_AND_FRO = 0.01 * np.sin(3.0 * np.arange(2000) / 250.0)
+
+
+def without_robot(
+    x: np.ndarray, model: PlantParameters | None = None
+) -> tuple[PreparedRecording, Model]:
+    """Prepare a motion without a reference, and the force of a spring."""
+    t = np.arange(len(x)) / 250.0
+    force = -5000.0 * x + np.random.default_rng(4).normal(0.0, 0.05, len(t))
+    return prepared_from(Signals(t, force, t, x, t[:0], np.empty((4, 0))), model)
+
+
+def candidates(x: np.ndarray, **changes: Any) -> set[str]:
+    """List the effects that may be added to a permanently attached wall."""
+    recording, model = without_robot(x, nominal(**{**ATTACHED, **changes}))
+    return set(candidates_in([recording], model))
+
+
+def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
+    names = candidates(TO_AND_FRO)
+    assert names - candidates(TO_AND_FRO, environment__stiffness=0.0) == {
+        'beating_environment', 'bouc_wen_hysteresis', 'fractional_relaxation', 'free_play',
+        'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
+    assert 'environment_inertia' not in names
+    assert not any(EFFECTS[name].needs_touch for name in names)
+    assert {'cubic_stiffness', 'force_bias'} <= names
+
+
+def test_families_that_are_not_tried_are_told_with_the_reason() -> None:
+    x = 0.01 * np.interp(np.arange(2000), [0, 1200, 2000], [0.0, 1.0, 1.0])
+    recording, model = without_robot(x, nominal(**ATTACHED))
+    told = dict(untried([recording], model))
+    assert told['friction'] == 'needs a motion that returns'
+    assert told['adhesion'] == 'needs a contact that begins and ends'
+    assert told['robot'] == 'needs the reference trajectory of a robot'
+    tried = {EFFECTS[name].family for name in candidates_in([recording], model)}
+    assert not tried & set(told)
+    assert tried | set(told) == {cls.family for cls in EFFECTS.values()}
+
+
+SPRING = nominal(environment__stiffness=1000.0, environment__damping=20.0,
+                 environment__unilateral=False)
+TIMES = np.arange(3000) / 200.0
+THERE_AND_BACK = 0.005 * np.sin(1.9 * TIMES) + 0.004 * np.sin(4.4 * TIMES)
+
+
+def specimen(x: Array, stray: Array | float) -> Signals:
+    """Record an attached specimen whose force also strays [N]."""
+    force = 1000.0 * x + 5.0 * np.gradient(x, TIMES) + stray
+    noise = np.random.default_rng(4).normal(0.0, 0.01, len(TIMES))
+    return Signals(TIMES, noise - force, TIMES, x, np.empty(0), np.empty((4, 0)))
+
+
+def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
+    """Recalibrate the spring."""
+    recording, model = prepared_from(signals, SPRING)
+    return recording, fit([recording], model)
+
+
+@pytest.mark.parametrize('frequency, credible', [
+    (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
+def test_a_resonance_needs_one_period_and_eight_samples_in_it(
+    frequency: float, credible: bool
+) -> None:
+    recording, found = prepared(specimen(THERE_AND_BACK, 0.0))
+    model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
+    assert is_credible([recording], model) is credible
+
+
+@pytest.mark.parametrize('effect, values, credible', [
+    ('free_play', (0.002, 0.0005, 1.0), True),
+    ('free_play', (0.002, -0.0095, 1.0), False),
+    ('free_play', (161.0, -80.0, 1.0), False),
+    ('bilinear_stiffness', (500.0, 0.003), True),
+    ('bilinear_stiffness', (500.0, 0.03), False),
+])
+def test_the_motion_passes_every_depth_at_which_a_law_bends(
+    effect: str, values: tuple[float, ...], credible: bool
+) -> None:
+    recording, model = prepared_from(recorded(environment__unilateral=False),
+                                     nominal(environment__unilateral=False))
+    least, most = np.quantile(recording.observed.x, (0.01, 0.99))
+    assert -0.0105 < least < -0.001 and 0.004 < most < 0.03
+    assert is_credible([recording], model.with_effect(effect, values)) is credible
+
+
+@pytest.mark.parametrize('name, values, clips', [
+    ('force_saturation', (25.0,), True), ('bilinear_stiffness', (-4500.0, 0.003), False)])
+def test_a_saturating_sensor_leaves_the_force_level_and_a_soft_wall_does_not(
+    name: str, values: tuple[float, ...], clips: bool
+) -> None:
+    recording, model = prepared_from(recorded(**physics(name, *values)))
+    base = fit([recording], model)
+    found = fit([recording], base.model.with_effect('force_saturation', (25.0,)))
+    assert is_credible([recording], found.model) is clips

@@ -69,8 +69,6 @@ def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
 
 Array = NDArray[np.float64]
 
-MOTION: Array = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 300))
-
 
 def held(values: Array, count: int) -> Array:
     """Repeat every so manieth value until the next."""
@@ -81,14 +79,6 @@ def held(values: Array, count: int) -> Array:
 def test_of_repeated_values_the_first_is_kept(count: int) -> None:
     long = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 100 * count))
     assert updates(held(long, count)).tolist() == list(range(0, len(long), count))
-
-
-@pytest.mark.parametrize('values', [
-    MOTION, np.repeat(MOTION, np.random.default_rng(2).integers(1, 30, len(MOTION))),
-    np.floor(np.linspace(0.0, 60.0, 300)), np.zeros(300),
-], ids=['every value new', 'irregular', 'rounded', 'constant'])
-def test_other_signals_keep_all_samples(values: Array) -> None:
-    assert len(updates(values)) == len(values)
 
 
 def joint(count: int) -> Signals:

@@ -110,19 +110,6 @@ def test_text_begins_with_the_verdict_and_gives_effects_and_errors(name: str) ->
     assert f'{d.stiffness.value:.6g} +- {d.stiffness.std:.2g}' in text
 
 
-def test_text_gives_family_share_and_parameters_on_the_parts() -> None:
-    d = diagnosed('friction')
-    (effect,) = d.effects
-    low, high = (100.0 * value for value in effect.share_interval)
-    found = [part.parameters['F_c'] for part in effect.parts]
-    text = as_text(d)
-    assert 'coulomb_friction (in the contact), family friction, probability ' in text
-    assert (f'  explains {100.0 * effect.share:.0f} % ({low:.0f} to {high:.0f} %) of the misfit '
-            'in cross-validation\n') in text
-    assert (f'  fitted on each of {len(found)} parts alone: '
-            f'F_c = {min(found):.3g} to {max(found):.3g} N\n') in text
-
-
 def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:
     d = diagnosed('friction')
     path = tmp_path / 'model.yaml'

@@ -5,15 +5,15 @@
 
 from __future__ import annotations
 
-from math import cos, nan, sin
+from math import sin
 from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
-from contact_estimation.reference.excitation import PseudoRandomBinary, Sine
+from contact_estimation.reference.excitation import PseudoRandomBinary
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiment_file import read_experiment
-from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS, manoeuvre
+from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
 import numpy as np
 import pytest
 import yaml
@@ -62,13 +62,6 @@ def test_wanted_force_is_eq_40(name: str) -> None:
     experiment = experiment_named(name)
     for t in np.arange(4.5, 8.5, 0.037).tolist():
         assert experiment.desired(t).force == pytest.approx(50.0 + 8.0 * sin(20.0 * t))
-
-
-def test_position_excitation_has_its_feed_forward_at_every_sample() -> None:
-    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
-    t = 6.6 + 0.002 * np.arange(1, 1000)  # on the hold
-    rates = [shaken.desired(u).velocity for u in t.tolist()]
-    np.testing.assert_allclose(rates, [0.04 * cos(20.0 * u) for u in t], atol=1e-4)
 
 
 def test_cycle_repeats_the_motion_for_ever() -> None:

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-import sys
 from typing import Any, Iterator, Mapping
 
 from contact_estimation.commands import fleet as command_module
-from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.fleet.changes import changes
 from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.fleet.discovery import find_recordings
@@ -20,7 +18,7 @@ from contact_estimation.fleet.one_recording import Result
 from contact_estimation.fleet.page.builder import as_html, SECTIONS
 from contact_estimation.fleet.pooling import Pool, PooledResult
 from contact_estimation.fleet.run import Fleet, run_fleet
-from contact_estimation.fleet.table import as_parquet, require_pyarrow, rows_of
+from contact_estimation.fleet.table import as_parquet, rows_of
 from contact_estimation.scheduling import Answer, Call
 from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording
 from fleet_entries import archive, outcome, report
@@ -107,16 +105,6 @@ def test_equal_recordings_are_diagnosed_once(
     workers = InThisProcess()
     assert len(run(recordings, tmp_path, workers).entries) == 4
     assert len(workers.done) == 3
-
-
-def test_pyarrow_that_does_not_fit_to_numpy_is_an_error_with_a_remedy(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    (tmp_path / 'pyarrow.py').write_text("raise ImportError('pyarrow requires NumPy 2.0')\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, 'pyarrow', raising=False)
-    with pytest.raises(MissingPackageError, match='NumPy 2.0; for numpy 1.26 .*"pyarrow<25"'):
-        require_pyarrow()
 
 
 def test_table_has_explicit_types_and_units() -> None:

@@ -7,15 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
-from contact_estimation.parameters.values import build
-from contact_estimation.plant.closed_loop import run_closed_loop
-from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, pipeline_with
 from core_steps import learn
@@ -88,23 +82,3 @@ def test_claims_are_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
         errors.append(np.array(law[:3]) - [K, N, CHI])
     ratio = np.sqrt(np.mean(np.square(errors), axis=0)) / law[3:]
     assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
-def test_closed_loop_presses_with_the_wanted_force_on_the_nonlinear_wall(
-    experiment: str,
-) -> None:
-    session = ContactSession(build(EstimationParameters, {
-        'estimator': 'hunt_crossley', 'reference_law': 'series',
-    }))
-    world = build(PlantParameters, {
-        'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform',
-        'physics.power_law_stiffness.n': N, 'physics.power_law_stiffness.K_n': K,
-        'physics.hunt_crossley_damping.chi': CHI,
-    })
-    result = run_closed_loop(world, session, experiment_named(experiment), 10.0)
-    law = law_in(session.pipeline)
-    assert np.all(np.abs(np.array(law[:3]) - [K, N, CHI]) < 3.0 * np.array(law[3:]))
-    pressing = -np.mean([t.force for t in result.truths if 7.33 < t.t < 8.58])  # 4 periods
-    assert pressing == pytest.approx(50.0, rel=0.05)

@@ -19,7 +19,7 @@ from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.stamp_screen import BEFORE_ANY, CONFIRMING, StampScreen
+from contact_estimation.signals.stamp_screen import BEFORE_ANY, StampScreen
 from hypothesis import given, settings, strategies as st
 import numpy as np
 from numpy.typing import NDArray
@@ -118,30 +118,6 @@ def test_a_stamp_of_no_measurement_is_rejected_at_once() -> None:
         assert admitted([stamp]) == ([], {f'wrench_{reason}': 1}), (stamp, reason)
         later = [LAST_NS + k for k in range(1, 9)]
         assert admitted([stamp, *later])[0] == later, (stamp, reason)
-
-
-@pytest.mark.parametrize('stamp, reason', [
-    (LAST_NS + GAP_NS + 1, 'future_stamp'), (LAST_NS - JUMP_NS - 1, 'past_stamp')])
-def test_a_stamp_far_off_is_refuted_by_the_next(stamp: int, reason: str) -> None:
-    assert admitted([stamp]) == ([], {})  # nothing is known yet
-    assert admitted([stamp, LAST_NS + 2]) == ([LAST_NS + 2], {f'wrench_{reason}': 1})
-
-
-@pytest.mark.parametrize('begin', [LAST_NS + GAP_NS + 1, 10**9, 1])
-def test_messages_that_increase_prove_a_new_clock_and_none_is_lost(begin: int) -> None:
-    clock = [begin + 2 * k for k in range(CONFIRMING + 3)]
-    assert admitted(clock[:CONFIRMING - 1]) == ([], {})
-    assert admitted(clock) == (clock, {})
-
-
-def test_messages_on_either_side_prove_no_clock() -> None:
-    stamps = [LAST_NS + 900, LAST_NS - 900] * CONFIRMING
-    used, rejected = admitted([*stamps, LAST_NS + 1])
-    assert used == [LAST_NS + 1] and sum(rejected.values()) == len(stamps)
-
-
-def test_a_clock_that_the_other_topic_has_is_followed_at_once() -> None:
-    assert admitted([20_000, 20_002], other_ns=20_001) == ([20_000, 20_002], {})
 
 
 ARM = {'kinematics.base': 'base_link', 'kinematics.tip': 'tool',

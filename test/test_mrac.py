@@ -8,11 +8,10 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
-from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
 from core_runs import closed_loop, PAPER_SENSORS, Run
-from core_steps import known, learn
+from core_steps import learn
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -78,17 +77,3 @@ def test_lyapunov_function_of_eq_24_never_grows_without_noise() -> None:
                  / 2.5e3)
     assert np.max(np.diff(V)) <= 1e-9 * V[0]
     assert V[-1] < 1e-4 * V[0]
-
-
-def test_claimed_spread_is_the_spread_over_seeds() -> None:
-    ends = []
-    for seed in range(1, 51):
-        averaging = estimator()
-        averaging.update([(0.002, row) for row in rows_of(600, seed)], 0.25, Frozen(False, False))
-        ends.append(known(averaging))
-    spread = np.std([[end.stiffness, end.damping] for end in ends], axis=0)
-    claimed = np.array([ends[0].stiffness_std, ends[0].damping_std])
-    start = estimator()  # what is left of the first guess's spread is claimed too
-    start.update([(0.002, row) for row in rows_of(600)], 0.0, Frozen(False, False))
-    left = np.array([start.current().stiffness_std, start.current().damping_std])
-    np.testing.assert_allclose(np.sqrt(claimed**2 - left**2), spread, rtol=0.25)

@@ -7,33 +7,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blind_worlds import EXPERIMENT, ROBOT, WALL, WORLD
-from contact_estimation.blind_trials.nuisances import Nuisances
-from contact_estimation.blind_trials.rig import Rig, simulate_rig
-from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.worlds import SensorModel
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.foreign_laws import ALL_LAWS
-import numpy as np
 import pytest
-
-NONE = Nuisances(0.0, 0.0, 0.0, 50.0, 0.0, 1.0, 0.0, 0.0)
-RIG = Rig('press', WALL, ROBOT, SensorModel(), EXPERIMENT, NONE, 0.015)
-
-
-def run_of(rig: Rig, name: str = '', rate: float = 2000.0, **values: float) -> Run:
-    """Simulate a rig under a law."""
-    law = ALL_LAWS[name](values) if name else None
-    return simulate_rig(rig, law, rate, np.random.default_rng(0))
 
 
 # -- integration ------------------------------------------------------------------------------
-
-
-def test_a_rig_without_nuisances_and_law_moves_as_the_plant() -> None:
-    rig, plant = run_of(RIG), simulate(WORLD, {}, 500.0, 2000.0)
-    assert np.max(np.abs(rig.x[::4] - plant.x)) < 2e-6
-    assert np.sqrt(np.mean((rig.force[::4] - plant.force) ** 2)) < 0.02
 
 
 # -- nuisances --------------------------------------------------------------------------------

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import nan, pi
+from math import nan
 import sys
 
 from contact_estimation.exceptions import MissingPackageError, ModelFileError, UnknownNameError
@@ -94,14 +94,6 @@ def test_an_unnamed_joint_is_the_only_one_that_moves(kind: str, found: str) -> N
     assert turning_joint(ONE.format(kind), ['']) == found
 
 
-def test_parts_with_one_stamp_are_put_together() -> None:
-    merger = JointMerger([False, False])
-    assert merger.add(5, (1.0, nan), (3.0, nan)) is None
-    assert merger.missing == [1]
-    assert merger.add(5, (nan, 2.0), (nan, 4.0)) == (5, [1.0, 2.0, 3.0, 4.0])
-    assert merger.missing == []
-
-
 def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
     merger = JointMerger([False, False])
     merger.add(10, (1.0, nan), (0.0, nan))
@@ -112,12 +104,6 @@ def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
     assert (first[0], second[0]) == (11, 12)
     assert first[1] == pytest.approx([1.5, 2.0, 1.0, 0.0])
     assert second[1] == pytest.approx([2.0, 2.5, 2.0, 0.0])
-
-
-def test_an_unlimited_joint_turns_on_where_its_angle_wraps() -> None:
-    merger = JointMerger([True])
-    rows = [merger.add(k, (angle,), (1.0,)) for k, angle in enumerate([3.0, -3.1, 3.1, 0.0])]
-    assert [row[1][0] for row in rows if row] == pytest.approx([3.0, 2 * pi - 3.1, 3.1, 0.0])
 
 
 TOOL = ToolParameters(

@@ -131,21 +131,6 @@ def test_reference_is_followed_from_its_stamp_on_and_not_before(
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
 
 
-def test_force_in_the_effort_presses_a_robot_that_tracks_force(
-    tmp_path: Path, user: RobotUser
-) -> None:
-    touching = tmp_path / 'touching.yaml'
-    touching.write_text('start: 0.0\nsegments: [{duration: 9.0, position: 0.0}]\n')
-    with node_process(
-        tmp_path, 'plant_node', experiment=touching, repeat=True, robot__force_tracking=True
-    ):
-        later = user.soon()
-        user.follow.publish(trajectory(later, 0.0, 49.0))
-        user.hear_until(later + 1000 * PERIOD_NS)
-    # K_t x = F_r - K_e x: the wall takes K_e / (K_e + K_t) of the force.
-    assert user.forces()[-1] == pytest.approx(-49.0 * 4800.0 / 9800.0, rel=0.01)
-
-
 def test_interrupt_ends_the_plant_and_keeps_its_summary(
     tmp_path: Path, user: RobotUser, still: str
 ) -> None:

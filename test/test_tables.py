@@ -127,15 +127,3 @@ def test_bag_to_csv_to_bag_gives_the_same_estimates(
     assert written[0] == written[1] == written[2]
     said = Command('replay', replay, capfd)(as_csv).out.splitlines()[0]
     assert said.startswith('columns: ') and said.endswith(' t=t_ns')
-
-
-@pytest.mark.parametrize('signals, text', [
-    ({'t': [0.0], 'force': [1.0]}, "unknown signal 'force'"),
-    ({'t': [0.0], 'wrench.force.x': [1.0, 2.0], 'joint.x': [0.0]}, 'arrays of one shape'),
-    ({'t': [0.0], 'wrench.force.x': [1.0]}, 'add joint.NAME'),
-])
-def test_arrays_that_are_no_recording_are_refused(
-    tmp_path: Path, signals: dict[str, list[float]], text: str
-) -> None:
-    with pytest.raises(ce.ContactEstimationError, match=text):
-        ce.write_recording(tmp_path / 'a.mcap', signals)
