@@ -14,7 +14,6 @@ from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.compensation import Compensation
-from contact_estimation.physics.known_wall import NOT_FINITE
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.quintic import quintic
@@ -132,13 +131,3 @@ def test_irregular_stamps_make_no_force_of_the_noise_of_positions() -> None:
                 usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
                 assert max(usable, default=0.0) < bound, (steps_ns, name)
                 assert max(abs(now.pressing) for now in found) < bound + 10.0, (steps_ns, name)
-
-
-def test_a_sample_without_a_finite_force_is_left_out_and_forgotten() -> None:
-    samples = still([2_000_000 * k for k in range(40)])
-    samples[20] = samples[20]._replace(position=1e300)
-    known = compensated(compensation('power_law_stiffness', 'force_lag'), samples, -0.011)
-    assert known[20].hindrance == NOT_FINITE
-    assert all(not now.hindrance for k, now in enumerate(known) if k != 20)
-    for now in known:
-        assert np.isfinite([now.rest, now.travel, now.stiffness_column]).all()

@@ -6,13 +6,12 @@
 from __future__ import annotations
 
 
-from concealed_worlds import diagnosed, nominal, prepared_from, recorded
+from concealed_worlds import nominal, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.held_out import by_part, errors_of, Part
 from contact_estimation.diagnosis.conclude.result import Errors
 from contact_estimation.diagnosis.observe.episodes import episodes, hold_out
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
-from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -94,28 +93,6 @@ def test_errors_are_root_mean_squares_over_all_parts() -> None:
     assert force.corrected == pytest.approx(np.sqrt(4 * 10.0 / 60.0))
     assert motion == Errors(None, None, None)
     assert [part.force.corrected for part in by_part(parts)] == pytest.approx([1.0, 0.0])
-
-
-SPRING = nominal(environment__stiffness=1000.0, environment__damping=5.0,
-                 environment__unilateral=False)
-
-
-def spring(cubic: float, stray: float, noise_std: float = 1e-3) -> Signals:
-    """Record an attached spring with a curvature; its force also strays by so much [N]."""
-    t = np.arange(2000) / 100.0
-    x = 0.01 * np.sin(2.0 * t) + 0.005 * np.sin(5.3 * t)
-    v = 0.02 * np.cos(2.0 * t) + 0.0265 * np.cos(5.3 * t)
-    force = 1000.0 * x + 5.0 * v + cubic * x**3 + stray * np.sin(0.7 * t) * np.sin(3.1 * t)
-    noise = np.random.default_rng(4).normal(0.0, noise_std, len(t))
-    return Signals(t, noise - force, t, x, np.empty(0), np.empty((4, 0)))
-
-
-def test_a_spring_that_bends_and_rubs_lacks_both_laws() -> None:
-    signals = spring(2e6, 0.1)
-    rubbed = 1.0 * np.tanh(np.gradient(signals.position, signals.joint_t) / 1e-3)
-    found = diagnosed(signals._replace(force=signals.force - rubbed), SPRING)
-    assert {effect.family for effect in found.effects} == {'elastic_law', 'friction'}
-    assert found.verdict == 'physics_missing'
 
 
 @pytest.mark.parametrize('recalibrated, corrected, noise, share', [

@@ -10,7 +10,7 @@ from typing import Any
 from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
 from contact_estimation.diagnosis.fit.credible import is_credible
-from contact_estimation.diagnosis.fit.fitting import fit, Fit
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
     innovations, kalman_filter, run, run_velocity,

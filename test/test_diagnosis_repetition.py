@@ -81,24 +81,6 @@ def test_of_repeated_values_the_first_is_kept(count: int) -> None:
     assert updates(held(long, count)).tolist() == list(range(0, len(long), count))
 
 
-def joint(count: int) -> Signals:
-    """Record a joint with dry friction whose position is published several times."""
-    t = np.arange(6000) / 500.0
-    v = 1.2 * np.cos(1.9 * t)
-    random = np.random.default_rng(3)
-    force = -(8.0 * v + 12.0 * np.tanh(v / 0.01)) + random.normal(0.0, 0.3, len(t))
-    x = 1.2 / 1.9 * np.sin(1.9 * t) + random.normal(0.0, 1e-5, len(t))
-    return Signals(t, force, t, held(x, count), np.empty(0), np.empty((4, 0)))
-
-
-def test_friction_is_named_though_positions_are_repeated() -> None:
-    drive = nominal(environment__stiffness=0.0, environment__damping=20.0,
-                    environment__inertia=0.5, environment__unilateral=False)
-    found = diagnosed(joint(3), drive)
-    assert [effect.family for effect in found.effects] == ['friction']
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(12.0, rel=0.05)
-
-
 def changed(**rows: Any) -> Signals:
     """Change some of a recording's signals."""
     return recorded()._replace(**rows)

@@ -5,10 +5,8 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
-from contact_estimation.blind_trials.family_report import family_dict, family_text
 from contact_estimation.blind_trials.family_scoring import (
     family_score,
     FamilyScore,
@@ -20,11 +18,6 @@ from contact_estimation.blind_trials.family_scoring import (
 LUGRE: dict[str, Any] = {
     'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
 }
-HUM: dict[str, Any] = {
-    'law': 'mains_hum', 'port': 'force_sensor', 'families': [],
-    'unknown': {'intervals_s': [[1.0, 3.0]]},
-}
-CLEAN: dict[str, Any] = {'law': '', 'port': '', 'families': [], 'unknown': None}
 
 
 def answer(*names: str, **changes: Any) -> dict[str, Any]:
@@ -59,16 +52,3 @@ def test_the_family_of_the_first_name_decides() -> None:
     ]:
         score = scored(LUGRE, *names)
         assert (score.outcome, score.surplus, score.kind) == (outcome, surplus, 'foreign'), names
-
-
-def test_text_and_json_hold_shares_reliability_and_misses() -> None:
-    scores = [scored(LUGRE, 'coulomb_friction'), scored(LUGRE, 'force_lag:0.8'), scored(HUM),
-              scored(CLEAN, 'force_lag')]
-    text = family_text(scores, 'DIR')
-    assert 'right family first [%]' in text
-    assert 'false alarms in clean worlds [%]' in text
-    assert 'lugre_friction (press), 3.0 times; expected friction, diagnosed force_lag 0.80' in text
-    study = json.loads(json.dumps(family_dict(scores)))
-    assert study['kinds']['foreign']['right'] == 1
-    assert len(study['reliability']) == 5
-    assert study['trials'][0]['names'][0]['probability'] == 0.95

@@ -87,17 +87,6 @@ def test_recursion_equals_the_batch_solution() -> None:
     np.testing.assert_allclose(known(of)[2:4], 0.5 * np.sqrt(np.diag(spread)), rtol=1e-9)
 
 
-@pytest.mark.parametrize('memory_s', [0.3, 1e6])
-def test_claimed_std_is_the_spread_over_noise(memory_s: float) -> None:
-    finals = []
-    for seed in range(150):
-        of = estimator(memory_s=memory_s)
-        for row in rows_of(300, seed=seed).tolist():
-            learn(of, T, row, 0.25)
-        finals.append([of.stiffness, of.damping])
-    np.testing.assert_allclose(np.std(finals, axis=0), known(of)[2:4], rtol=0.25)
-
-
 C = 2e-5
 
 

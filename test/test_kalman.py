@@ -10,7 +10,7 @@ from typing import Any
 
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.kalman import Kalman, KalmanParameters
-from contact_estimation.estimators.three_states import correct, Covariance, grow
+from contact_estimation.estimators.three_states import correct, Covariance
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 from core_steps import known, learn
 from filterpy.kalman import KalmanFilter
@@ -105,12 +105,3 @@ def test_correction_equals_the_schmidt_kalman_filter(free: tuple[bool, bool, boo
     np.testing.assert_allclose(x, np.array(X) + gain * 0.9, rtol=1e-12)
     np.testing.assert_allclose(got, expected[UPPER], rtol=1e-12, atol=1e-12)
     assert spread == pytest.approx(h @ P @ h + R)
-
-
-@pytest.mark.parametrize('alone', [0, 1])
-def test_state_forgotten_alone_forgets_its_variance_given_the_others(alone: int) -> None:
-    P, triangle = random_covariance(5)
-    growth = (1.1, 1.0, 1.0) if alone == 0 else (1.0, 1.1, 1.0)
-    expected = P.copy()
-    expected[alone, alone] += 0.21 / np.linalg.inv(P)[alone, alone]
-    np.testing.assert_allclose(np.array(grow(triangle, growth)), expected[UPPER], rtol=1e-9)

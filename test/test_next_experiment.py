@@ -80,14 +80,3 @@ def test_proposal_names_pair_and_experiment() -> None:
     assert proposal.experiment.duration == pytest.approx(
         3.0 * next(c.experiment.duration for c in candidates(reach_of(open_question()))
                    if c.words in proposal.text))
-
-
-def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
-    proposal = choose(diagnosed('unknown'))
-    assert proposal is not None
-    assert 'half and twice the speed' in proposal.text
-    assert proposal.text.startswith('No effect of the library explains this. Press ')
-    reach = reach_of(diagnosed('unknown'))
-    positions = {segment.position for segment in written(proposal.experiment, tmp_path).segments}
-    assert positions == {reach.start, reach.position(reach.depth),
-                         reach.position(0.5 * reach.depth)}

@@ -13,10 +13,7 @@ from typing import Iterable, Sequence
 
 from axes_runs import feed_axes, instants, JOINTS, LOCATIONS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.estimation.inputs import MessageInputs
-from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.replay import RecordingReplay
-from contact_estimation.estimation.session import ContactSession
 from contact_estimation.messages import JointStateEncoder, Vector3StampedDecoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
@@ -168,14 +165,3 @@ def test_replay_is_that_of_the_topic_in_time(
     assert delayed != KINDS[kind]
     assert replayed(tmp_path / 'a.mcap', delayed) == in_time[kind]
     assert len(in_time[kind][0]) > 1700 and not in_time[kind][1].get('joint_missing')
-
-
-@pytest.mark.parametrize('messages', (FALSE, BACK), ids=('false stamps', 'set back'))
-def test_replay_is_that_of_a_live_session(tmp_path: Path, messages: list[Sent]) -> None:
-    session = ContactSession(EstimationParameters(), generate_reference=False)
-    inputs, live = MessageInputs(session), []
-    for _, topic, raw in messages:
-        process = inputs.process_wrench if topic == '/wrench' else inputs.process_motion
-        live += [repr(result.estimates) for result in process(raw)]
-    assert replayed(tmp_path / 'a.mcap', messages) == (live, session.rejected)
-    assert len(live) > 1700

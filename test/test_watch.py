@@ -16,7 +16,7 @@ from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.growing import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.watch import recorded
-from contact_estimation.watch.contact_log import CHECKS, ContactLog, STATUS
+from contact_estimation.watch.contact_log import ContactLog, STATUS
 from contact_estimation.watch.plots import PLOTS
 import pytest
 from run_commands import Command
@@ -66,14 +66,6 @@ def test_a_recording_is_shown_as_it_is_replayed(recording: Path) -> None:
     assert stamps == [estimate.stamp_ns for estimate in estimates]
     assert stiffness == [estimate.stiffness for estimate in estimates]
     assert {text.text for text in log.texts if text.path == STATUS} >= {'free', 'estimating'}
-
-
-def test_a_warning_is_said_when_it_begins_and_when_it_is_over() -> None:
-    log = ContactLog()
-    for stamp_ns, active in enumerate(({}, {'a': 'a 1'}, {'a': 'a 2'}, {})):
-        log.add_checks(stamp_ns, active)
-    assert [(said.stamp_ns, said.text) for said in log.texts] == [(1, 'a 1'), (3, 'over: a 2')]
-    assert {said.path for said in log.texts} == {CHECKS}
 
 
 def test_a_growing_recording_is_read_as_it_is_flushed(tmp_path: Path) -> None:
