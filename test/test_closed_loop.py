@@ -94,6 +94,7 @@ def test_closed_loop_errors_are_within_3_claimed_std() -> None:
             assert abs(last.damping - B_e) < 3.0 * last.damping_std, (name, K_e, B_e, experiment)
 
 
+@pytest.mark.slow
 def test_soft_touch_says_how_badly_damping_can_be_told() -> None:
     for name in TUNING:
         for K_e, B_e, amplitude in [

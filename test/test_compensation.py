@@ -129,6 +129,7 @@ def test_estimator_in_closed_loop_that_knows_the_effect_is_right() -> None:
         assert_found(name, estimate, BOUNDS.get(name, (1.0, 2.0)))
 
 
+@pytest.mark.slow
 def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right() -> None:
     for name in (n for n in ONE_OF_FAMILY if n != JOINTED):
         samples, end = recorded(name)

@@ -100,6 +100,7 @@ def truth_of(name: str) -> tuple[float, float]:
     return (GUESS if name in WITHOUT_STIFFNESS else K_e, 0.0 if name in WITHOUT_DAMPING else B_e)
 
 
+@pytest.mark.slow
 def test_first_contact_beside_a_known_effect_gives_the_wall() -> None:
     for name in FELT:
         samples, ends = recorded(name)

@@ -25,6 +25,7 @@ CORE = sorted(
 BANNED = ('rclpy', 'geometry_msgs', 'sensor_msgs', 'trajectory_msgs', 'std_msgs')
 
 
+@pytest.mark.slow
 def test_core_imports_without_ros() -> None:
     code = (
         'import importlib, sys\n'

@@ -43,12 +43,14 @@ def families(found: Diagnosis) -> set[str]:
     return {effect.family for effect in found.effects}
 
 
+@pytest.mark.slow
 def test_both_laws_are_named() -> None:
     found = diagnosis()
     assert families(found) == {'elastic_law', 'relaxation'}
     assert found.verdict == 'physics_missing'
 
 
+@pytest.mark.slow
 def test_a_loss_is_named_beside_the_law_if_both_ways_are_as_fast() -> None:
     found = diagnosis(back_s=45.0)
     law, loss = sorted(found.effects, key=lambda effect: effect.family)
@@ -74,6 +76,7 @@ def piston(bias: float) -> Diagnosis:
                 environment__damping=B_E))
 
 
+@pytest.mark.slow
 def test_friction_is_named_tared_or_not() -> None:
     tared, untared = piston(0.0), piston(ZERO)
     assert [one.name for one in tared.effects] == [LAW]

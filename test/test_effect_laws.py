@@ -20,7 +20,7 @@ from world_reference import B_e, B_t, K_e, K_t, M_t, reference_at, simulate, wit
 WALL = [name for name, cls in EFFECTS.items() if cls.port == 'contact']
 SENSOR = [name for name, cls in EFFECTS.items() if cls.port == 'force_sensor']
 ROBOT = [name for name, cls in EFFECTS.items()
-         if cls.port == 'robot' and name != 'joint_flexibility']  # test_diagnosis_link.py
+         if cls.port == 'robot' and name != 'joint_flexibility']  # test_diagnosis_names.py
 STATEFUL = [name for name in WALL if example(name).states]
 
 
@@ -53,6 +53,7 @@ def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures('exact_positions')
 def test_law_on_arrays_is_the_contract_s_formula() -> None:
     for name in WALL:
@@ -67,6 +68,7 @@ def test_law_on_arrays_is_the_contract_s_formula() -> None:
             err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures('exact_positions')
 def test_force_predicted_from_true_motion_is_the_true_force() -> None:
     for name in WALL:
@@ -116,7 +118,8 @@ def test_robot_on_arrays_moves_as_the_plant() -> None:
             robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9), err_msg=name)
 
 
-# Where the tool turns, a play switches without end; test_attached_walls.py has one that is moved.
+# Where the tool turns, a play switches without end.
+@pytest.mark.slow
 def test_attached_wall_obeys_the_law_at_all_times() -> None:
     for name in (n for n in WALL if not EFFECTS[n].needs_touch and n != 'backlash'):
         t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)

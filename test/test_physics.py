@@ -73,10 +73,10 @@ def test_name_is_the_key_and_port_that_of_the_base() -> None:
 
 def test_parameters_are_off_by_default_and_described() -> None:
     for name, effect in EFFECTS.items():
-        assert specifications(effect.Parameters), name
         assert effect.when_on(effect.Parameters()) is None, name
         for spec in specifications(effect.Parameters):
-            assert isnan(spec.default) and spec.nan_is_off, (name, spec.name)
+            assert isinstance(spec.default, float) and isnan(spec.default), (name, spec.name)
+            assert spec.nan_is_off, (name, spec.name)
             assert spec.unit and len(spec.description) > 8, (name, spec.name)
             assert spec.name in effect.equation, (name, spec.name)
 

@@ -94,5 +94,5 @@ def test_without_forgetting_it_is_batch_least_squares_with_the_prior() -> None:
     y = np.concatenate([rows[:, 0] / 0.5, [3000.0, 50.0] / prior])
     theta = np.linalg.lstsq(phi, y, rcond=None)[0]
     np.testing.assert_allclose([of.stiffness, of.damping], theta, rtol=1e-9)
-    spread = np.sqrt(np.diag(np.linalg.inv(phi.TIMES @ phi)))
+    spread = np.sqrt(np.diag(np.linalg.inv(phi.T @ phi)))
     np.testing.assert_allclose(known(of)[2:4], spread, rtol=1e-9)
