@@ -38,8 +38,8 @@ def test_worlds_get_their_verdicts(name: str) -> None:
 @EVERY
 def test_report_has_the_keys_of_its_schema(name: str) -> None:
     report = as_dict(diagnosed(name))
-    assert {'verdict', 'effects', 'location', 'nominal', 'recalibrated', 'corrected', 'fit',
-            'next_experiment'} <= set(report)
+    assert {'verdict', 'effects', 'location', 'remainder', 'checks', 'nominal', 'recalibrated',
+            'corrected', 'fit', 'next_experiment'} <= set(report)
     assert set(report['nominal']) == set(report['recalibrated']) == {'stiffness', 'damping'}
     assert set(report['corrected']) == {'stiffness', 'damping'}
     assert {'noise_floor_n', 'force_rmse_n', 'motion_rmse_m', 'improvement_interval',

@@ -107,6 +107,20 @@ def test_equal_recordings_are_diagnosed_once(
     assert len(workers.done) == 3
 
 
+def test_an_interrupted_run_resumes_to_the_same_table(
+    recordings: Path, tmp_path: Path, quickly: None
+) -> None:
+    pytest.importorskip('pyarrow')
+    first, second = InThisProcess(stop_after=2), InThisProcess()
+    with pytest.raises(KeyboardInterrupt):
+        run(recordings, tmp_path / 'a', first)
+    fleets = [run(recordings, tmp_path / 'a', second),
+              run(recordings, tmp_path / 'b', InThisProcess())]
+    assert (len(first.done), len(second.done)) == (2, 1)
+    assert not set(first.done) & set(second.done)
+    assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
+
+
 def test_table_has_explicit_types_and_units() -> None:
     parquet = pytest.importorskip('pyarrow.parquet')
     pyarrow = pytest.importorskip('pyarrow')
