@@ -15,6 +15,8 @@ from diagnosed_worlds import diagnosed
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip('matplotlib')
 
 
@@ -24,7 +26,6 @@ def line(axis: Any, label: str) -> Any:
     return found
 
 
-@pytest.mark.slow
 def test_comparison_shows_recording_and_all_models() -> None:
     data = plot_data(diagnosed('friction'))
     whole, close = plot_comparison(data, data.force).axes

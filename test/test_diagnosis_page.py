@@ -21,6 +21,8 @@ from contact_estimation.exceptions import MissingPackageError
 from diagnosed_worlds import diagnosed, nominal
 import pytest
 
+pytestmark = pytest.mark.slow
+
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
 VOID = {'meta', 'img'}  # elements without an end tag
 
@@ -111,7 +113,6 @@ def test_failed_checks_stand_on_top_and_passed_ones_are_folded() -> None:
     assert text.index('no pause') < text.index('</details>') < text.index('<img')
 
 
-@pytest.mark.slow
 @pytest.mark.usefixtures('blank_pictures')
 def test_text_from_outside_is_escaped() -> None:
     hostile = '<script>"&'
@@ -136,7 +137,6 @@ def test_refused_recording_has_a_page_without_figures() -> None:
     assert '<img' not in text and 'Model parameters' not in shown
 
 
-@pytest.mark.slow
 def test_missing_matplotlib_is_an_error_with_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     with pytest.raises(MissingPackageError, match='matplotlib.*pip install'):

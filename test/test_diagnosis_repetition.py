@@ -61,6 +61,7 @@ def told(perturbation: float) -> list[tuple[str, list[str], float]]:
             for one in found.effects]
 
 
+@pytest.mark.slow
 def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
     first = told(0.0)
     assert [name for name, _, _ in first] == ['force_bias']

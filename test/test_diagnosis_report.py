@@ -22,6 +22,8 @@ from contact_estimation.plant.plant_parameters import PlantParameters
 from diagnosed_worlds import diagnosed
 import pytest
 
+pytestmark = pytest.mark.slow
+
 VERDICTS = {'clean': 'consistent', 'stiffer': 'recalibrate', 'friction': 'physics_missing',
             'unknown': 'unexplained'}
 MODELS = {'nominal', 'recalibrated', 'corrected'}
@@ -29,7 +31,6 @@ PLACE = {'intervals_s', 'phase', 'region', 'band_hz', 'port'}
 EVERY = pytest.mark.parametrize('name', VERDICTS)
 
 
-@pytest.mark.slow
 @EVERY
 def test_worlds_get_their_verdicts(name: str) -> None:
     assert diagnosed(name).verdict == VERDICTS[name]

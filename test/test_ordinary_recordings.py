@@ -112,6 +112,7 @@ def test_each_contact_tells_its_place_and_all_together_the_wall() -> None:
     assert found.damping == pytest.approx(120.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_an_object_that_is_moved_is_told_and_its_wall_found() -> None:
     found = of_moved()
     assert found.verdict == 'recalibrate' and not found.effects
