@@ -57,5 +57,5 @@ def test_what_lacks_beyond_is_named_alone() -> None:
     found = again(6, **physics('quadratic_damping', 600.0))
     assert (found.verdict, named(found)) == ('physics_missing', ['quadratic_damping'])
     value, = found.effects[0].parameters.values()
-    assert value.value == pytest.approx(values[0], rel=0.1)
+    assert value.value == pytest.approx(600.0, rel=0.1)
     assert found.corrected.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.1)
