@@ -112,6 +112,7 @@ def steps(recording: PreparedRecording, base: Fit, *names: str) -> dict[str, lis
     return screening.steps(base.model, every)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, values', [
     ('quadratic_damping', (600.0,)), ('cubic_stiffness', (3e6,)), ('coulomb_friction', (2.0,)),
     ('robot_drag', (600.0,)), ('force_bias', (2.0,))])

@@ -77,6 +77,7 @@ def test_start_from_begins_at_the_given_values(name: str) -> None:
     assert (estimator.stiffness, estimator.damping) == (7000.0, 80.0)
 
 
+@pytest.mark.slow
 def test_other_sample_rates_give_the_stiffness_too() -> None:
     for name in ESTIMATORS:
         for rate in [125.0, 1000.0]:

@@ -49,7 +49,7 @@ PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': R
 @lru_cache(maxsize=None)
 def without_effects(**wall: Any) -> list[Truth]:
     """Simulate the world without effects once."""
-    return simulate(700, plant_with(**wall))
+    return simulate(350, plant_with(**wall))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,7 +88,7 @@ def test_effect_with_neutral_parameters_changes_nothing() -> None:
         neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
                         for key in names}
         neutral.update(VANISHING.get(name, {}))
-        got = np.array(simulate(700, plant_with(**wall, **neutral)))
+        got = np.array(simulate(350, plant_with(**wall, **neutral)))
         nominal = np.array(without_effects(**wall))
         np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9, err_msg=name)
 

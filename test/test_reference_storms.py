@@ -40,6 +40,7 @@ EVENT = st.one_of(
         [(name, value) for name, values in CHANGES.items() for value in values])))
 
 
+@pytest.mark.slow
 def test_no_storm_of_stamps_services_and_parameters_breaks_a_limit() -> None:
     for seed in range(100):
         events = drawn(np.random.default_rng(seed), 150)

@@ -113,6 +113,7 @@ def test_table_that_is_not_understood_says_how_to_choose(
         ce.read_table(tmp_path / 'a.csv', **options)
 
 
+@pytest.mark.slow
 def test_bag_to_csv_to_bag_gives_the_same_estimates(
     recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -135,6 +135,7 @@ WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', LAWS)
 def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     law, wall = WORLDS[name]
