@@ -21,5 +21,5 @@ for model in [*models[:MODELS], evidence.base]:
     name, (force, motion) = ' + '.join(model.effects), model.left_out.mean(axis=0)
     exact, inexact = (parts.sum() for parts in evidence.log_likelihoods(model))
     print(f'{name or "(recalibrated)":<22}{force:8.2f} {motion:8.2f} {exact:10.0f} '
-          f'{inexact - CONSTANTS.discrepancy:7.0f} {evidence.log_prior(model) + 0.0:9.1f} '
+          f'{inexact:7.0f} {evidence.log_prior(model) + 0.0:9.1f} '
           f'{evidence.score(model):7.1f} {weights[models.index(model)]:7.3f}')

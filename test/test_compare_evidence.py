@@ -38,30 +38,39 @@ def evidence(base: Scored, constants: Constants = CONSTANTS) -> Evidence:
     return Evidence(base, NONE, np.ones(2), constants)
 
 
-def marginal(mean_square: float, count: float) -> float:
-    """Integrate the likelihood of errors over their size s, with the prior 1 / s."""
-    def integrand(logarithm: float) -> float:
-        return exp(-count * (logarithm + 0.5 * mean_square * exp(-2.0 * logarithm)))
+def marginal(mean_square: float, freedom: float) -> float:
+    """Integrate over its size the likelihood of a discrepancy with that freedom, beside noise."""
+    energy = freedom + COUNT * (mean_square - 1.0)  # of residuals in the directions that it has
 
-    middle = 0.5 * log(mean_square)
-    return log(quad(integrand, middle - 3.0, middle + 12.0, points=[middle], epsabs=0.0)[0])
+    def integrand(logarithm: float) -> float:  # of noise and discrepancy there, prior 1 / s
+        return exp(-0.5 * freedom * logarithm - 0.5 * energy * exp(-logarithm))
+
+    middle = log(energy / freedom)
+    return log(quad(integrand, middle - 8.0, middle + 40.0, points=[middle], epsabs=0.0)[0])
 
 
-@pytest.mark.parametrize('count', [2.0, 4.0])
-def test_likelihood_with_a_discrepancy_is_that_of_errors_of_unknown_size(count: float) -> None:
-    base = scored(1.0)
-    found = evidence(base, CHEAP._replace(independent=count))
-    for one, other in ((9.0, 4.0), (4000.0, 90.0)):
+@pytest.mark.parametrize('freedom', [2.0, 6.0])
+def test_likelihood_with_a_discrepancy_is_that_of_a_slow_error_of_unknown_size(
+    freedom: float
+) -> None:
+    found = evidence(scored(1.0), CHEAP._replace(independent=freedom))
+    for one, other in ((9.0, 4.0), (4000.0, 1.5)):
         told = [found.log_likelihoods(scored(m))[1] for m in (one, other)]
-        expected = marginal(one, count) - marginal(other, count)
+        expected = marginal(one, freedom) - marginal(other, freedom)
         np.testing.assert_allclose(told[0] - told[1], expected, rtol=1e-6)
+
+
+def test_errors_of_which_noise_is_a_bound_count_whole() -> None:
+    found = replace(evidence(scored(1.0), CHEAP), white=False)
+    told = [found.log_likelihoods(scored(m))[1] for m in (9.0, 4.0)]
+    np.testing.assert_allclose(told[0] - told[1], -0.5 * CHEAP.independent * log(9.0 / 4.0))
 
 
 def test_score_adds_the_likelihoods_and_the_prior() -> None:
     found, model = evidence(scored(30.0)), replace(scored(1.1, 'a', 'b'), curves=1)
     exact, inexact = found.log_likelihoods(model)
     c = CONSTANTS
-    likelihood = np.logaddexp(exact.sum(), inexact.sum() - c.discrepancy)
+    likelihood = np.logaddexp(exact.sum(), inexact.sum())
     assert found.score(model) == pytest.approx(
         likelihood - 2.0 * c.parameter - 2.0 * c.law - c.curve)
 
@@ -71,7 +80,7 @@ def test_a_law_is_taken_if_its_likelihood_pays_its_prior(gain: float, worth: boo
     price = CONSTANTS.parameter + CONSTANTS.law
     left = 1000.0 * exp(-2.0 * gain * price / (PARTS * CONSTANTS.independent))
     base, law = scored(1000.0, motion=50.0), scored(left, 'a', motion=50.0)
-    found = evidence(base)
+    found = evidence(base, CONSTANTS._replace(ideal=0.0))
     assert (found.score(law) > found.score(base)) is worth
 
 

@@ -143,10 +143,3 @@ def test_force_in_any_motion_is_that_of_a_point_mass_at_the_centre() -> None:
     alpha = (angular_velocity(t + 1e-4) - angular_velocity(t - 1e-4)) / 2e-4
     wrench = tool_wrench(TOOL, R, second_difference(origin, t), angular_velocity(t), alpha)
     np.testing.assert_allclose(wrench[:3], expected, atol=1e-5)
-
-
-def test_torque_at_rest_is_that_of_the_weight_at_the_centre() -> None:
-    R = orientation(0.3).as_matrix()
-    weight = R.T @ [0.0, 0.0, -TOOL.mass * STANDARD_GRAVITY]
-    expected = np.cross(TOOL.centre, weight) + TOOL.torque_bias
-    np.testing.assert_allclose(tool_wrench(TOOL, R)[3:], expected, atol=1e-12)

@@ -19,8 +19,7 @@ from ..diagnosis.compare.constants import CONSTANTS, Constants
 from ..exceptions import ParameterRangeError
 from ..physics import EFFECTS
 
-FITTED = ('parameter', 'law', 'curve', 'discrepancy', 'independent', 'ideal', 'instrument',
-          'exact', 'temperature')
+FITTED = ('parameter', 'law', 'curve', 'independent', 'ideal', 'instrument', 'temperature')
 """Constants of the evidence, which the log score determines."""
 
 _FACTOR, _ROUNDS = 1.4, 3  # of the search: steps of a constant, times that all are tried

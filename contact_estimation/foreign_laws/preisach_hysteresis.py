@@ -17,10 +17,11 @@ class PreisachHysteresis(ContactLaw):
     """
     Relays with a density that falls exponentially with their width.
 
-    R is the opposite of their sum: relays switch late, so that the sum itself would set energy
-    free. Going away from an extremum d_k, the sum changes by E(d - d_k) with the Everett function
+    R is the opposite of their sum, since relays switch late, beside a spring amplitude / w, so
+    that no wall has a negative stiffness. Going away from an extremum d_k, R changes by
+    h amplitude / w - E(h), h = abs(d - d_k), with the Everett function
     E(h) = amplitude (h / w - 1 + exp(-h / w)); a loop that closes is forgotten. The virgin curve
-    is E(2 h) / 2.
+    has half the change at twice the depth.
     Mayergoyz, Mathematical Models of Hysteresis, 1991; Preisach, Z. Physik 94, 1935.
 
     """
@@ -35,13 +36,12 @@ class PreisachHysteresis(ContactLaw):
         amplitude = 0.15 * magnitudes.force
         return lambda s: {'amplitude': s * amplitude, 'width': width}
 
-    def everett(self, h: float) -> float:
-        """Return the change of the sum at a distance h >= 0 from the last extremum [N]."""
-        h /= self.values.width
-        return float(self.values.amplitude * (h - 1.0 + exp(-h)))
+    def change(self, h: float) -> float:
+        """Return the change of R at a distance h >= 0 from the last extremum [N]."""
+        return float(self.values.amplitude * (1.0 - exp(-h / self.values.width)))
 
     def start(self, dt: float, count: int) -> Any:
-        """Return last depth, its sum, its direction and the extrema passed before."""
+        """Return last depth, its force, its direction and the extrema passed before."""
         return (0.0, 0.0, 0.0, ())
 
     def respond(
@@ -51,7 +51,7 @@ class PreisachHysteresis(ContactLaw):
         last, force, way, extrema = state
         now = sign(d - last)
         if now == 0.0:
-            return -force, state
+            return force, state
         if now == -way:
             extrema = (*extrema, (last, force))
         # A branch that passes the extremum before its own start continues the older branch.
@@ -61,10 +61,10 @@ class PreisachHysteresis(ContactLaw):
             extrema = ()
         if extrema:
             origin, at_origin = extrema[-1]
-            force = at_origin + now * self.everett(abs(d - origin))
+            force = at_origin + now * self.change(abs(d - origin))
         else:
-            force = 0.5 * sign(d) * self.everett(2.0 * abs(d))
-        return -force, (d, force, now, extrema)
+            force = 0.5 * sign(d) * self.change(2.0 * abs(d))
+        return force, (d, force, now, extrema)
 
     def release(
         self, t: float, d: float, v: float, dt: float, state: Any

@@ -81,7 +81,8 @@ class ArmModels:
 
     def _evidence_of(self, base: Scored | None) -> Evidence:
         assert base is not None
-        return Evidence(base, np.zeros(len(self.gram.joints)), self.gram.floor, self._c)
+        return Evidence(
+            base, np.zeros(len(self.gram.joints)), self.gram.floor, self._c, white=False)
 
     def evidence(self) -> Evidence:
         """Return what models are compared against: the description, calibrated."""

@@ -68,7 +68,7 @@ def search(
     for _ in range(_DEEP):
         ranked = evidence.ranked(pool.values())
         frontier = [one for one in ranked[:wide] if one.key not in done and one.laws < laws
-                    and _may_matter(evidence, one, ranked[0])]
+                    and (not done or _may_matter(evidence, one, ranked[0]))]
         if not frontier:
             break
         for one in frontier:
@@ -111,5 +111,6 @@ def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     """Return whether a law that explained all that is left would pay, and come near the best."""
     perfect = replace(one, left_out=np.minimum(one.left_out, 1.0),
                       fitted=np.minimum(one.fitted, 1.0), penalty=0.0)
-    bound = evidence.score(perfect) - evidence.constants.parameter - evidence.constants.law
-    return bound > max(evidence.score(one), evidence.score(best) - _NEAR)
+    c = evidence.constants
+    least = float(evidence.log_likelihoods(perfect)[1].sum()) + evidence.log_prior(perfect)
+    return least - c.parameter - c.law > max(evidence.score(one), evidence.score(best) - _NEAR)

@@ -21,6 +21,7 @@ def as_dict(compared: Compared) -> dict[str, Any]:
     evidence, likely = compared.evidence, compared.models[:_MOST]
     return {
         'instrument': evidence.instrument.tolist(), 'as_force': evidence.as_force.tolist(),
+        'white': evidence.white,
         'base': _scored(evidence.base),
         'models': [_scored(one) for one in likely if one is not evidence.base],
     }
@@ -42,6 +43,7 @@ def of_dict(data: Mapping[str, Any], constants: Constants) -> Compared:
                np.array(one['left_out']), np.array(one['fitted']), np.array(one['counts']),
                one['parameters'], one['laws'], one['curves'])
         for one in (data['base'], *data['models']))
-    evidence = Evidence(base, np.array(data['instrument']), np.array(data['as_force']), constants)
+    evidence = Evidence(base, np.array(data['instrument']), np.array(data['as_force']), constants,
+                        white=data['white'])
     evidence = evidence.informed_by([base, *others])
     return Compared(evidence, evidence.ranked([base, *others]))

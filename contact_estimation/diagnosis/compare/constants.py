@@ -19,16 +19,15 @@ class Constants(NamedTuple):
     parameter, law, curve : float
         Log prior odds against a parameter, a law, and a law that is a curve through any slow
         misfit [nat].
-    discrepancy : float
-        Log prior odds against a discrepancy at all: laws may be exact [nat].
     independent : float
-        Independent errors by a discrepancy in a part, at most: it is correlated over most of it.
+        Degrees of freedom of a discrepancy in a part, at most.
     ideal : float
         Part of the squared misfit that no law explains, since every law idealises.
     instrument : float
-        Discrepancy that every instrument has, as a share of the range of the force.
+        Discrepancy that every instrument and rig has, as a share of the range of the force.
     exact : float
-        Share of both that an exact law leaves: integration, rounding, what a rig cannot avoid.
+        Share of the squared misfit that an exact law leaves: integration, the course of a signal
+        between samples.
     left_out : float
         Weight of the errors on parts left out; that on the parts as fitted has the rest
         (.632 bootstrap: B. Efron, JASA 78, 1983).
@@ -48,7 +47,6 @@ class Constants(NamedTuple):
     parameter: float
     law: float
     curve: float
-    discrepancy: float
     independent: float
     ideal: float
     instrument: float
@@ -64,10 +62,5 @@ class Constants(NamedTuple):
 
 CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))
 
-ARM = CONSTANTS._replace(ideal=0.0, instrument=0.006, independent=6.0)
-"""
-Those of a whole arm.
-
-Many laws share the misfit of a joint, so that none may leave a share of it unexplained. The torque
-of a joint, often a current, is known to 0.6 % of its range.
-"""
+ARM = CONSTANTS._replace(ideal=0.0)
+"""Those of a whole arm: many laws share the misfit of a joint, so none may leave a share of it."""

@@ -4,12 +4,16 @@
 """
 The evidence for models: how well each predicts parts that it was not fitted on.
 
-Residuals of a part are white noise of known size plus a discrepancy of unknown size, correlated in
-time (M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63,
-2001). With the scale-invariant prior 1 / s of its size s, a part of n independent errors of mean
-square m has the marginal likelihood m^(-n/2), whatever m is: no part outweighs the others.
-Without a discrepancy it is exp(-n m / 2). The likelihood of a model is the sum of both, each with
-its prior.
+Residuals of a part are white noise of known size, n samples, plus a discrepancy of unknown size
+that is slow, so that it has k degrees of freedom at most (M. C. Kennedy and A. O'Hagan, Bayesian
+calibration of computer models, J. R. Stat. Soc. B 63, 2001). Noise has only k / n of its energy
+there. With the scale-invariant prior 1 / s of the size s of the discrepancy, residuals of mean
+square m, in that of noise, have the marginal likelihood
+
+    (1 + n d / k)^(-k/2),    d = max(m - 1, 0) + d_0,
+
+where no discrepancy is believed to be smaller than d_0. Laws that are exact leave noise alone,
+of which the likelihood is exp(-n (m - 1) / 2). That of a model is the sum of both.
 """
 
 from __future__ import annotations
@@ -105,6 +109,8 @@ class Evidence:
         Mean square of noise, in that which was measured beforehand; 1 by default.
     level : Scored, optional
         The base with the zeros that it asks for; the base by default.
+    white : bool
+        Whether noise is white; otherwise a bound of all that may be slow, too, and n = k.
 
     """
 
@@ -114,6 +120,7 @@ class Evidence:
     constants: Constants = CONSTANTS
     noise: Array | None = None
     level: Scored | None = None
+    white: bool = True
 
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
         """Return the evidence with what further models tell of noise and zeros."""
@@ -132,12 +139,12 @@ class Evidence:
 
     def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
         """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
-        c, expected = self.constants, one.expected(self.constants)
-        beyond = self.instrument + c.ideal * self.misfit
-        exact = -0.5 * one.counts * (np.maximum(
-            expected / (self._noise_on(expected) * (1.0 + c.exact * beyond)), 1.0) - 1.0)
-        independent = np.minimum(one.counts, c.independent)
-        inexact = -0.5 * independent * np.log(np.maximum(expected, 1.0 + beyond))
+        c, expected, n = self.constants, one.expected(self.constants), one.counts
+        noise = self._noise_on(expected) * (1.0 + c.exact * self.misfit)
+        exact = -0.5 * n * np.maximum(expected / noise - 1.0, 0.0)
+        k = np.minimum(n, c.independent)
+        d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit
+        inexact = -0.5 * k * np.log1p((n / np.maximum(k, 1.0) if self.white else 1.0) * d)
         return exact.sum(axis=1), inexact.sum(axis=1)
 
     def _noise_on(self, parts: Array) -> Array | float:
@@ -156,7 +163,7 @@ class Evidence:
     def score(self, one: Scored) -> float:
         """Return the log posterior of a model but for a constant."""
         exact, inexact = self.log_likelihoods(one)
-        likelihood = np.logaddexp(exact.sum(), inexact.sum() - self.constants.discrepancy)
+        likelihood = np.logaddexp(exact.sum(), inexact.sum())
         return float(likelihood) + self.log_prior(one)
 
     def ranked(self, models: Iterable[Scored]) -> list[Scored]:
@@ -166,7 +173,7 @@ class Evidence:
     def is_exact(self, one: Scored) -> bool:
         """Return whether a model is likelier without a discrepancy than with one."""
         exact, inexact = self.log_likelihoods(one)
-        return bool(exact.sum() > inexact.sum() - self.constants.discrepancy)
+        return bool(exact.sum() > inexact.sum())
 
     def weights(self, models: Sequence[Scored], seed: int) -> Array:
         """
@@ -179,7 +186,7 @@ class Evidence:
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]
         drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), _DRAWS)
-        scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T - self.constants.discrepancy)
+        scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T)
         scores += [self.log_prior(one) for one in models]
         scores = scores / self.constants.temperature
         scores -= scores.max(axis=1, keepdims=True)

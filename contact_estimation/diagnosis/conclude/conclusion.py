@@ -213,7 +213,7 @@ class _Conclusion:
         return 'consistent' if gain < price else 'recalibrate'
 
     def _effects(self) -> list[NamedEffect]:
-        """Describe the names, the largest share first."""
+        """Describe the names: the most certain first, in tenths, then the largest share."""
         model, names = self._named.model, {one.effect: one for one in self._named.names}
         if not names:
             return []
@@ -237,7 +237,8 @@ class _Conclusion:
                 effect, cls.family, cls.port, cls.equation, names[effect].probability,
                 share.share, share.interval, on_parts, parameters, names[effect].alike,
                 locate(self._shown, before.found.found.model, cls), beside))
-        return ranked_by(found, lambda one: -one.share)
+        by_share = ranked_by(found, lambda one: -one.share)
+        return ranked_by(by_share, lambda one: -round(one.probability, 1))
 
     def _location(self, verdict: str, effects: Sequence[NamedEffect]) -> Location | None:
         """Locate what the recalibrated model lacks."""

@@ -221,7 +221,7 @@ def _smoothed_with(model: Model, seen: Seen) -> Recordings | None:
 def best_view(given: Given, progress: Progress) -> Seen:
     """Compare the models in the usual view, and in others that promise more."""
     seen = compare(View(given), progress)
-    for alternatives in (_between, _held_reference, _surfaces, _stamps):
+    for alternatives in (_between, _surfaces, _stamps, _held_reference):
         for view in alternatives(seen):
             progress('another view')
             other = _refitted(view, seen, progress)
