@@ -81,14 +81,6 @@ def touches(*places: Touch, swing: float = 0.012) -> Experiment:
 
 
 TOUCHES = touches((0.03, 1.0), (0.024, 0.8), (0.036, 0.6))
-JUMPING = Experiment('jumping', FREE, (
-    Segment(0.7, FREE), Segment(0.5, 0.03),
-    Segment(0.9, 0.03, position_excitation=Multisine(0.008, [2.0 * pi * f for f in _TONES_HZ])),
-    Segment(0.3, 0.03), Segment(0.4, FREE), Segment(0.3, FREE), Segment(0.5, 0.036),
-    Segment(0.5, 0.036, position_excitation=Multisine(0.008, [2.0 * pi * f for f in _TONES_HZ])),
-    Segment(0.3, 0.036), Segment(0.4, FREE), Segment(0.3, FREE),
-))
-"""Its excitation begins and ends at once: steps of the reference and of its rate."""
 
 
 def nominal(**changes: Any) -> PlantParameters:

@@ -18,8 +18,6 @@ from typing import Any
 
 import pytest
 
-pytest.register_assert_rewrite(
-    'memory_law_checks', 'robot_law_checks', 'sensor_law_checks', 'surface_law_checks')
 # As in contact_estimation.commands: a second thread for small matrices costs eight times the CPU.
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 # A shell script's background jobs, and all that they start, ignore SIGINT unless it is restored.

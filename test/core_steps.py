@@ -41,11 +41,6 @@ def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]
     return [bank.take(row) for row in rows]
 
 
-def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:
-    """Let the contact detector decide on one sample."""
-    return bool(detector.touches(dt, pressing, inside))
-
-
 def row_of(
     relation: Any, dt: float, delta: float, velocity: float, pressing: float, contact: bool
 ) -> Sequence[float] | None:

@@ -15,7 +15,6 @@ from scipy.signal import lfilter
 Array = NDArray[np.float64]
 RATE = 500.0
 CONTACTS = 2
-VELOCITY_NOISE = (0.0, 1e-4, 3e-4, 1e-3, 3e-3)  # [m/s]
 
 
 class World(NamedTuple):

@@ -1,57 +1,19 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Permanently attached walls under a recorded force: springs, and a drive that has none."""
+"""A permanently attached wall under a recorded force: a drive that has friction and no spring."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from math import exp
-
-from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
-from contact_estimation.diagnosis.conclude.result import Diagnosis
+from concealed_worlds import diagnosed, named, nominal
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.plant.sampled_signals import held, smooth, straight
 import numpy as np
-from numpy.typing import NDArray
 import pytest
-from scipy.interpolate import CubicSpline
 
-Array = NDArray[np.float64]
-
-# One or two of a family, and friction of the drive below; test_diagnosis_names.py has a world of
-# each effect, with a robot.
-WORLDS: dict[str, tuple[float, ...]] = {
-    'cubic_stiffness': (1e6,),
-    'viscoelastic_relaxation': (800.0, 0.1),
-    'force_lag': (0.003,),
-}
-BOUND = 0.08
 NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
 MASS, DRAG, DRY, BIAS = 90.0, 200.0, 20.0, 3.0  # of a linear drive
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('name', WORLDS)
-def test_effect_of_an_attached_wall_is_named(name: str) -> None:
-    values = WORLDS[name]
-    found = diagnosed(attached(*physics(name, *values).items()), nominal(**ATTACHED))
-    assert (found.verdict, named(found)) == ('physics_missing', [name])
-    got = [parameter.value for parameter in found.effects[0].parameters.values()]
-    assert got == pytest.approx(values, rel=BOUND)
-    assert found.stiffness.value == pytest.approx(ATTACHED['environment__stiffness'], rel=0.005)
-    assert found.motion.corrected is not None and found.motion.recalibrated is not None
-    assert found.motion.corrected < 0.15 * found.motion.recalibrated
-
-
-@pytest.mark.slow
-def test_offset_of_an_attached_wall_is_a_bias_of_the_sensor() -> None:
-    found = diagnosed(attached(*physics('force_bias', 5.0).items()), nominal(**ATTACHED))
-    assert named(found) == ['force_bias']
-    assert found.effects[0].parameters['bias'].value == pytest.approx(5.0, rel=0.02)
-
-
-@lru_cache(maxsize=None)
 def drive() -> Signals:
     """Record a drive without a spring that is controlled in position, integrated here."""
     rate, fine = 500, 10
@@ -72,122 +34,17 @@ def drive() -> Signals:
     return Signals(t, measured, t, position + 2e-7 * noise[1], *NO_REFERENCE)
 
 
-@lru_cache(maxsize=None)
-def of_drive() -> Diagnosis:
-    """Diagnose the drive from its linear model, which has the wrong drag."""
-    return diagnosed(drive(), nominal(
+@pytest.mark.slow
+def test_friction_bias_drag_and_held_force_of_a_drive_are_found() -> None:
+    found = diagnosed(drive(), nominal(  # which has the wrong drag
         environment__stiffness=0.0, environment__damping=300.0, environment__inertia=MASS,
         environment__unilateral=False))
-
-
-@pytest.mark.slow
-def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
-    found = of_drive()
     assert found.verdict == 'physics_missing'
     assert sorted(named(found)) == ['coulomb_friction', 'force_bias']
     values = {effect.name: effect.parameters for effect in found.effects}
     assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
     assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
-
-
-@pytest.mark.slow
-def test_drag_of_a_drive_is_found_and_no_spring() -> None:
-    found = of_drive()
     assert found.damping.value == pytest.approx(DRAG, rel=0.01)
     assert found.stiffness.value == pytest.approx(0.0, abs=1.0)
     assert found.corrected.values[2] == pytest.approx(MASS, rel=0.01)
-
-
-@pytest.mark.slow
-def test_force_of_a_controller_is_seen_to_be_held_between_samples() -> None:
-    assert of_drive().recordings[0].observed.between == 'held'
-
-
-@lru_cache(maxsize=None)
-def shaken() -> tuple[Signals, tuple[float, float, float]]:
-    """Let a wall answer tones up to a fifth of the rate, exactly, and sample both smoothly."""
-    K, B, M, rate = 2e5, 60.0, 2.0, 500.0
-    t = np.arange(3000) / rate
-    tones = 2.0 * np.pi * np.linspace(3.0, 100.0, 40)
-    phases = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(tones))
-    waves = np.exp(1j * (np.outer(tones, t) + phases[:, None]))
-    answer = 1.0 / (K - M * tones**2 + 1j * B * tones)
-    force, position = 10.0 * waves.sum(axis=0).real, 10.0 * (answer @ waves).real
-    noise = np.random.default_rng(1).normal(0.0, 1e-6, len(t))
-    return Signals(t, -force, t, position + noise, *NO_REFERENCE), (K, B, M)
-
-
-@pytest.mark.slow
-def test_smooth_force_is_not_taken_for_a_lag() -> None:
-    signals, values = shaken()
-    found = diagnosed(signals, nominal(
-        environment__stiffness=1.9e5, environment__damping=80.0, environment__inertia=2.1,
-        environment__unilateral=False))
-    assert (found.verdict, named(found)) == ('recalibrate', [])
-    assert found.recordings[0].observed.between == 'smooth'
-    assert found.recalibrated.values == pytest.approx(values, rel=0.005)
-
-
-def areas(samples: Array) -> Array:
-    """Integrate straight lines between samples, over each interval."""
-    return 0.5 * (samples[1:] + samples[:-1])
-
-
-def test_straight_lines_through_smooth_samples_have_the_areas_of_the_spline() -> None:
-    t = np.arange(200.0)
-    force = np.sin(0.3 * t) + 0.4 * np.cos(0.11 * t)
-    spline = CubicSpline(t, force)
-    expected = [spline.integrate(k, k + 1.0) for k in range(20, 180)]
-    np.testing.assert_allclose(areas(smooth(force))[20:180], expected, atol=1e-3)
-    worst = np.max(np.abs(areas(straight(force))[20:180] - expected))
-    assert worst > 5e-3
-
-
-def test_held_samples_come_half_a_sample_late() -> None:
-    ramp = np.arange(50.0)
-    np.testing.assert_allclose(held(ramp)[1:], ramp[1:] - 0.5)
-
-
-@pytest.mark.slow
-def test_play_of_a_gear_is_named() -> None:
-    gap, drag, spring = 0.002, 500.0, 400.0
-    t = np.arange(15 * 250) / 250.0
-    rng = np.random.default_rng(4)
-    tones, phases = rng.uniform(0.3, 2.0, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
-    x = 0.004 * np.sin(2.0 * np.pi * np.outer(t, tones) + phases).sum(axis=1)
-    load, force = float(x[0]), np.zeros(len(t))
-    for k in range(1, len(t)):
-        pushed = min(max(load, x[k] - 0.5 * gap), x[k] + 0.5 * gap)
-        if pushed != load:
-            force[k] = -(spring * pushed + drag * (x[k] - x[k - 1]) * 250.0)
-        load = pushed
-    noise = rng.normal(size=(2, len(t)))
-    found = diagnosed(
-        Signals(t, force + 0.5 * noise[0], t, x + 2e-6 * noise[1], *NO_REFERENCE),
-        nominal(environment__stiffness=300.0, environment__damping=700.0,
-                environment__inertia=0.0, environment__unilateral=False))
-    assert (found.verdict, named(found)) == ('physics_missing', ['backlash'])
-    assert found.effects[0].parameters['gap'].value == pytest.approx(gap, rel=0.05)
-    assert found.damping.value == pytest.approx(drag, rel=0.02)
-
-
-@pytest.mark.slow
-def test_friction_of_a_recording_that_begins_in_the_midst_of_a_cycle_is_found() -> None:
-    F_c, sigma, damping, before = 20.0, 2e4, 400.0, 80
-    t = np.arange(1000 + before) / 50.0
-    x = 0.001 * np.sin(2.0 * np.pi * 0.8 * t)
-    friction = np.zeros(len(t))
-    for k, step in enumerate(np.diff(x).tolist(), start=1):
-        limit = np.copysign(F_c, step)
-        friction[k] = limit - (limit - friction[k - 1]) * exp(-sigma * abs(step) / F_c)
-    noise = np.random.default_rng(5).normal(size=(2, len(t)))
-    force = -friction - damping * 0.0016 * np.pi * np.cos(1.6 * np.pi * t) + 0.1 * noise[0]
-    begin = slice(before, None)
-    found = diagnosed(
-        Signals(t[begin] - t[before], force[begin], t[begin] - t[before],
-                (x + 1e-7 * noise[1])[begin], *NO_REFERENCE),
-        nominal(environment__stiffness=15000.0, environment__damping=1500.0,
-                environment__inertia=0.0, environment__unilateral=False))
-    assert named(found) == ['presliding_friction']
-    assert found.effects[0].share > 0.95
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(F_c, rel=0.03)
+    assert found.recordings[0].observed.between == 'held'

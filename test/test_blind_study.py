@@ -7,29 +7,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-import sys
-from typing import Any, Iterator, Mapping
+from typing import Any
 
 from blind_worlds import answer, short_trial, truth
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.diagnosis.compare.constants import Constants
-from contact_estimation.diagnosis.observe.signals import signals_of
-from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.physics import EFFECTS
-from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.recorded_signals import read_signals
-from contact_estimation.recordings.source import RecordingSource
-from contact_estimation.scheduling import Answer, Call, ThisProcess
-from contact_estimation.studies.blind_trials import study
+from contact_estimation.studies.benchmarks.estimators_study import study
 from contact_estimation.studies.blind_trials.study import (
-    diagnose_blind,
-    diagnose_command,
-    plan_study,
-    PlannedTrial,
-    run_study,
-    run_trial,
-)
+    diagnose_command, plan_study, PlannedTrial, run_trial)
 from contact_estimation.studies.blind_trials.trial import TrialFiles, write_json, write_trial
 import numpy as np
 import pytest
@@ -73,31 +60,6 @@ def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> No
     }
 
 
-def test_the_recording_holds_the_simulated_signals(files: TrialFiles) -> None:
-    signals = signals_of(read_signals(RecordingReader(files.recording), RecordingSource()))
-    told = json.loads(files.truth.read_text())
-    free = signals.wrench_t < 0.4
-    assert float(np.mean(signals.force[free])) == pytest.approx(2.0, abs=0.1)
-    assert float(np.std(signals.force[free])) == pytest.approx(told['force_floor_n'], rel=0.15)
-    assert signals.reference[0][0] == pytest.approx(-0.01)
-    assert float(np.min(signals.force)) < -30.0
-
-
-def test_the_truth_holds_effect_wall_and_degree_of_concealment(files: TrialFiles) -> None:
-    told = json.loads(files.truth.read_text())
-    assert told['effects'] == [
-        {'name': 'force_bias', 'port': 'force_sensor', 'parameters': {'bias': 2.0}}]
-    assert (told['stiffness'], told['damping']) == (4000.0, 100.0)
-    assert told['verdict'] == 'physics_missing'
-    assert told['concealed'] > 1.2
-
-
-def test_a_larger_study_contains_the_trials_of_a_smaller_one() -> None:
-    assert set(plan_study(5, 3, 1)) < set(plan_study(40, 8, 1))
-    assert not set(plan_study(5, 3, 1)) & set(plan_study(5, 3, 2))
-    assert set(plan_study(5, 3, 1, 4)) - set(plan_study(5, 3, 1)) == set(plan_study(0, 0, 1, 4))
-
-
 def test_finished_steps_of_a_trial_are_not_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,69 +76,6 @@ def test_finished_steps_of_a_trial_are_not_repeated(
     files.report.unlink()
     run_trial(tmp_path, PLANNED)
     assert calls == ['diagnose']
-
-
-@pytest.mark.slow
-def test_an_incomplete_recording_is_written_again(tmp_path: Path) -> None:
-    files = TrialFiles.of(tmp_path, 'trial_x')
-    files.recording.parent.mkdir()
-    files.recording.write_bytes(b'half')
-    write_trial(short_trial(), files, np.random.default_rng(0))
-    assert RecordingReader(files.recording).topics()
-    assert files.truth.exists()
-
-
-def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
-    trials = plan_study(2, 1, 0)
-    for planned in trials:
-        done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
-    told: list[float] = []
-    scores = run_study(tmp_path, trials, ThisProcess(), lambda share, _: told.append(share))
-    assert [s.trial for s in scores.exact] == [planned.name for planned in trials]
-    assert all(s.found_alone for s in scores.exact if s.effect)
-    assert scores.on_rigs == []
-    assert told[-1] == 1.0
-
-
-class Backwards:
-    """Workers that finish the last call first."""
-
-    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
-        """Run the calls from the last to the first."""
-        return ThisProcess().answers(dict(reversed(list(calls.items()))))
-
-
-def test_scores_do_not_depend_on_the_order_of_the_workers(tmp_path: Path) -> None:
-    trials = plan_study(3, 1, 0, 1)
-    for planned in trials:
-        done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
-    forwards, backwards = (run_study(tmp_path, trials[:4], own, lambda *_: None)
-                           for own in (ThisProcess(), Backwards()))
-    assert forwards == backwards
-
-
-def test_the_error_of_a_trial_ends_the_study(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: Any) -> None:
-        raise RecordingError('disk full')
-
-    monkeypatch.setattr(study, 'run_trial', fail)
-    with pytest.raises(RecordingError, match='disk full'):
-        run_study(tmp_path, plan_study(2, 0, 0), ThisProcess(), lambda *_: None)
-
-
-def test_several_jobs_need_dask_and_one_does_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    (planned,) = plan_study(0, 1, 0)
-    done(tmp_path, planned, answer())
-    words = ['--count', '0', '--clean', '1', '--output', str(tmp_path)]
-    assert main(words) == 0
-    capsys.readouterr()
-    assert main([*words, '--jobs', '2']) == 1
-    assert 'pip install distributed' in capsys.readouterr().err
 
 
 def test_a_finished_study_of_rigs_is_scored_by_family(
@@ -198,15 +97,6 @@ def test_a_finished_study_of_rigs_is_scored_by_family(
     assert rigs['kinds'] == {'foreign': {'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0,
                                          'failed': 0, 'surplus': 0}}
     assert not (tmp_path / 'confusion.png').exists()
-
-
-@pytest.mark.slow
-def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
-    files = TrialFiles.of(tmp_path, 'trial_x')
-    diagnose_blind(files)  # creates the folder of the reports
-    kept = json.loads(files.report.read_text())
-    assert kept['report'] is None
-    assert str(files.nominal) in kept['error']
 
 
 @pytest.mark.slow

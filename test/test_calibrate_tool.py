@@ -95,14 +95,6 @@ def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path:
     assert written['tool']['centre'] == pytest.approx(found['centre_m']['value'], abs=1e-6)
 
 
-def test_poses_in_contact_are_left_out(tmp_path: Path) -> None:
-    write(tmp_path / 'run.mcap', POSES, contact=(3, 7, 8))
-    assert calibrate(tmp_path) == 0
-    found = json.loads((tmp_path / 'tool.json').read_text())
-    assert found['contact_s'] == pytest.approx(3 * HOLD_S, abs=0.5)
-    assert found['mass_kg']['value'] == pytest.approx(MASS, abs=0.02)
-
-
 @pytest.mark.parametrize('options, message', [
     ({'poses': [POSES[0]] * 12}, r'hardly varies .* gravity points along [xyz] and [xyz] of'),
     ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, 'does not determine'),
@@ -128,14 +120,6 @@ def test_a_sensor_without_a_tool_is_named(
     assert 'so the sensor carries no tool' in capsys.readouterr().err
 
 
-def test_robot_description_is_never_replaced(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert calibrate(tmp_path, '--output', str(tmp_path / 'arm.urdf')) == 1
-    assert 'it is the robot description, which would be lost' in capsys.readouterr().err
-    assert (tmp_path / 'arm.urdf').read_text() == small_arm.urdf()
-
-
 def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     write(tmp_path / 'run.mcap', POSES, sign=-1.0)
     (tmp_path / 'params.yaml').write_text(
@@ -143,23 +127,6 @@ def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
-
-
-def test_recorded_description_is_used_where_none_is_given(tmp_path: Path) -> None:
-    write(tmp_path / 'run.mcap', POSES, description=small_arm.urdf())
-    tool = tmp_path / 'tool.yaml'
-    assert main([str(tmp_path / 'run.mcap'), '--output', str(tool)]) == 0
-    written = yaml.safe_load(tool.read_text())['/**']['ros__parameters']
-    assert written['tool']['mass'] == pytest.approx(MASS, abs=0.02)
-
-
-def test_a_recording_without_description_says_what_to_give(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path / 'run.mcap', POSES[:1])
-    assert main([str(tmp_path / 'run.mcap'), '--output', str(tmp_path / 'tool.yaml')]) == 1
-    assert re.search('no robot description on /robot_description; give the URDF as --robot-desc',
-                     capsys.readouterr().err)
 
 
 def test_wrong_force_sign_of_the_parameter_file_is_named(
@@ -170,15 +137,6 @@ def test_wrong_force_sign_of_the_parameter_file_is_named(
         'estimator_node: {ros__parameters: {force_sign: -1}}')
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
     assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
-
-
-def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
-    write(tmp_path / 'run.mcap', POSES, rpy=(0.3, -0.5, 1.0))
-    (tmp_path / 'params.yaml').write_text(
-        '/**: {ros__parameters: {force_sensor: {rpy: [0.3, -0.5, 1.0]}}}')
-    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
-    found = json.loads((tmp_path / 'tool.json').read_text())
-    assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.001)
 
 
 @pytest.mark.parametrize('recorded, given', [('base', 'sensor'), ('sensor', 'base')])

@@ -5,24 +5,12 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Any
 
 from contact_estimation.diagnosis.compare.beam import Compared
-from contact_estimation.diagnosis.compare.comparison_file import as_dict, of_dict
-from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
+from contact_estimation.diagnosis.compare.constants import CONSTANTS
 from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
-from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.studies.blind_trials import calibration as calibration_module
-from contact_estimation.studies.blind_trials.calibration import (
-    calibrate,
-    FITTED,
-    judged,
-    JudgedTrial,
-    loss,
-)
-from diagnosed_worlds import diagnosed
+from contact_estimation.studies.blind_trials.calibration import calibrate, JudgedTrial, loss
 import numpy as np
 import pytest
 
@@ -77,47 +65,3 @@ def test_wrong_constants_are_corrected(
         assert found.constants.law + found.constants.parameter > start.law + start.parameter
     else:
         assert found.constants.temperature < start.temperature
-
-
-def test_constants_that_are_not_of_the_evidence_stay() -> None:
-    found = calibrate(TRIALS).constants
-    for name in set(Constants._fields) - set(FITTED):
-        assert getattr(found, name) == getattr(CONSTANTS, name)
-
-
-def test_fitted_constants_are_written_and_read_back(tmp_path: Path) -> None:
-    found, path = calibrate(TRIALS), tmp_path / 'constants.json'
-    found.write(path)
-    assert Constants(**json.loads(path.read_text())) == found.constants
-    text = found.text()
-    assert f'{len(TRIALS)} trials' in text and all(name in text for name in FITTED)
-
-
-def test_calibration_without_trials_is_refused() -> None:
-    with pytest.raises(ParameterRangeError, match='--calibrate needs trials with a comparison'):
-        calibrate([])
-
-
-def test_truth_is_that_of_families_or_effects_and_refusals_are_left_out() -> None:
-    comparison: Any = as_dict(TRIALS[0].compared)
-    found = judged([
-        ({'families': ['friction']}, {'comparison': comparison}),
-        ({'effects': [{'name': 'coulomb_friction'}]}, {'comparison': comparison}),
-        ({'families': []}, {'comparison': comparison}),
-        ({'families': ['friction']}, {'comparison': None}),
-        ({'families': ['friction']}, {})])
-    assert len(found) == 3
-    assert found[0].effects == found[1].effects >= FRICTION
-    assert found[2].effects == frozenset()
-
-
-def test_a_comparison_that_is_written_has_the_same_scores() -> None:
-    for compared in (TRIALS[3].compared, diagnosed('friction').compared):
-        assert compared is not None
-        again = of_dict(json.loads(json.dumps(as_dict(compared))), CONSTANTS)
-        assert len(again.models) >= 3
-        for one in again.models:
-            before = next(other for other in compared.models if other.key == one.key)
-            assert again.evidence.score(one) == pytest.approx(
-                compared.evidence.score(before), abs=1e-6)
-        assert again.models[0].effects == compared.models[0].effects

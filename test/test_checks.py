@@ -5,18 +5,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any, Callable, Mapping
+from typing import Callable, Mapping
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
+from concealed_worlds import nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.evidence import Evidence
-from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STRAIGHT
-from contact_estimation.diagnosis.checks.sensors import jumps
-from contact_estimation.diagnosis.checks.stamps import clock_offset
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.reference import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page import as_html
@@ -24,12 +18,9 @@ from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
-from numpy.typing import NDArray
 import pytest
 
-Array = NDArray[np.float64]
 Change = Callable[[Signals], Signals]
-NO_REFERENCE = {'reference_t': np.empty(0), 'reference': np.empty((4, 0))}
 
 
 def scaled(position: float, reference: float) -> Change:
@@ -203,20 +194,6 @@ def test_wrong_use_fails_its_check_alone(wrong: str) -> None:
     assert (found.name, found.fatal, found.could_cause) == (name, True, frozenset(EFFECTS))
 
 
-def test_a_commanded_robot_that_leaves_its_wall_is_not_attached_to_it() -> None:
-    attached_to = nominal(environment__unilateral=False)
-    (found,) = [one for one in failed(recorded(), attached_to) if one.fatal]
-    assert (found.name, 'set environment.unilateral to true' in found.text) == ('unilateral', True)
-    without = recorded()._replace(reference_t=np.empty(0), reference=np.empty((4, 0)))
-    assert 'unilateral' not in [one.name for one in failed(without, attached_to)]
-
-
-def test_a_robot_may_push_and_pull_what_it_is_attached_to() -> None:
-    on_both_sides = recorded(environment__unilateral=False)
-    assert np.ptp(np.sign(on_both_sides.force[on_both_sides.force**2 > 1.0])) == 2.0
-    assert not failed(on_both_sides, nominal(environment__unilateral=False))
-
-
 @pytest.mark.parametrize('wrong', ['force of the robot on the wall', 'positions in mm',
                                    'force in kgf', 'wrench early'])
 def test_concealed_physics_hides_no_wrong_use(wrong: str) -> None:
@@ -245,119 +222,11 @@ def test_fault_of_a_file_fails_its_check_alone(name: str) -> None:
     assert (found.name, found.fatal) == (name, name == 'stamp_order')
 
 
-def test_wild_positions_are_left_out() -> None:
-    clean = recorded()
-    (kept,) = examine([Recording('file', spiked(clean))], nominal()).recordings
-    assert len(kept.signals.position) == len(clean.position) - 5
-    assert set(kept.signals.position) < set(clean.position)
-
-
-def test_a_motion_sampled_coarsely_has_no_wild_positions() -> None:
-    t = np.arange(0.0, 60.0, 0.35)
-    assert not jumps(np.sin(2.0 * np.pi * t)).any()
-
-
-def test_a_reference_that_leads_the_robot_is_no_wrong_clock() -> None:
-    for seconds in (-0.02, 0.0):
-        assert failed(late_reference(seconds)(recorded()), nominal()) == []
-
-
-def test_missing_rates_of_a_reference_are_those_of_its_positions() -> None:
-    whole, bare = recorded(), without_rates(recorded())
-    found = with_reference_rates(Recording('bare', bare)).signals.reference
-    assert found[1] == pytest.approx(whole.reference[1], abs=0.01 * np.ptp(whole.reference[1]))
-    assert found[2] == pytest.approx(whole.reference[2], abs=0.05 * np.ptp(whole.reference[2]))
-    steps = bare._replace(reference=np.repeat(bare.reference[:, ::10], 10, axis=1)[
-        :, :len(bare.reference_t)])
-    for rightly in (whole, steps):
-        recording = Recording('as it was', rightly)
-        assert with_reference_rates(recording) is recording
-
-
-def test_a_reference_without_rates_hides_no_friction_and_invents_no_robot() -> None:
-    for changes, names in (({}, []), (physics('coulomb_friction', 4.0), ['coulomb_friction'])):
-        found = diagnose(Recording('bare', without_rates(recorded(**changes))), nominal())
-        assert [effect.name for effect in found.effects] == names
-
-
 @pytest.mark.parametrize('location', [-0.1, 0.06, 1.0])
 def test_a_wall_that_is_elsewhere_fails_the_location(location: float) -> None:
     (found,) = failed(recorded(), nominal(environment__location=location))
     assert found.name == 'wall_location'
     assert abs(float(found.text.split('set the location to about ')[1].split()[0])) < 0.002
-
-
-@pytest.mark.parametrize('name, values', [
-    ('coulomb_friction', (4.0,)), ('contact_offset', (0.004,)), ('force_delay', (0.03,)),
-    ('force_bias', (6.0,)), ('impedance_mismatch', (0.5, 1.5, 1.3)), ('robot_friction', (8.0,)),
-    ('force_saturation', (25.0,)), ('adhesion', (8.0,)), ('command_delay', (0.03,)),
-    ('tool_inertia', (1.0,)),
-])
-def test_physics_fails_no_check(name: str, values: tuple[float, ...]) -> None:
-    assert not failed(recorded(**physics(name, *values)), nominal())
-
-
-@pytest.mark.parametrize('shifted, unshifted, pulls, apart, ok', [
-    (0.995, 0.948, False, -0.05, False),  # clocks 50 ms apart
-    (0.959, 0.951, False, -0.05, True),  # hysteresis, whose force is ahead of the motion
-    (0.995, 0.948, True, -0.05, True),  # adhesion likewise
-    (0.995, 0.948, False, -0.004, True),  # what yields peaks with the motion
-])
-def test_hysteresis_or_adhesion_is_no_offset_of_the_clocks(
-    shifted: float, unshifted: float, pulls: bool, apart: float, ok: bool
-) -> None:
-    overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
-    evidence: Any = SimpleNamespace(
-        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted),
-        with_reference=False, pulls=pulls, peaks_apart=lambda longest: apart)
-    assert clock_offset(evidence).ok is ok
-
-
-@pytest.mark.parametrize('late', [-0.05, 0.08])
-def test_the_peaks_of_force_and_depth_are_apart_by_the_offset_of_the_clocks(late: float) -> None:
-    signals = recorded()
-    shifted = signals._replace(wrench_t=signals.wrench_t + late)
-    there = Evidence(signals, nominal()).peaks_apart(abs(late))
-    apart = Evidence(shifted, nominal()).peaks_apart(abs(late))
-    assert apart - there == pytest.approx(late, abs=0.005)
-
-
-def test_a_damped_contact_is_ahead_of_its_spring_but_not_of_what_the_robot_felt() -> None:
-    overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
-    found: Any = SimpleNamespace(
-        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.08, 0.95, 0.8),
-        with_reference=True, of_robot=Line(0.97, 0.98), pulls=False,
-        peaks_apart=lambda longest: -0.08)
-    assert clock_offset(found).ok
-    found.of_robot = Line(0.7, 0.75)  # the robot felt the force at another time
-    assert not clock_offset(found).ok
-
-
-@pytest.mark.parametrize('factor', [0.25, 1.0, 4.0])
-def test_a_nominal_stiffness_off_by_a_few_is_no_wrong_unit(factor: float) -> None:
-    assert not failed(recorded(), nominal(environment__stiffness=5000.0 * factor))
-    specimen = {**ATTACHED, 'environment__stiffness':
-                factor * ATTACHED['environment__stiffness']}
-    assert not failed(attached(), nominal(**specimen))
-
-
-@pytest.mark.parametrize('change, name', [(scaled(1e3, 1.0), 'length_unit'),
-                                          (forced(1e-3), 'force_unit')])
-def test_units_of_a_specimen_are_checked_to_a_thousand(change: Change, name: str) -> None:
-    assert [one.name for one in failed(change(attached()), nominal(**ATTACHED))] == [name]
-
-
-def test_the_sign_of_a_specimen_is_put_right() -> None:
-    examined = examine([Recording('file', forced(-1.0)(attached()))], nominal(**ATTACHED))
-    assert [one.name for one in examined.checks if not one.ok] == ['force_sign']
-    assert not examined.refused and not examined.excluded
-    np.testing.assert_array_equal(examined.recordings[0].signals.force, attached().force)
-
-
-def test_a_late_contact_without_a_reference_is_left_to_the_diagnosis() -> None:
-    s = recorded()._replace(**NO_REFERENCE)
-    away = s._replace(position=s.position + 0.02)
-    assert not failed(away, nominal())
 
 
 def test_checks_say_which_recording_is_wrong() -> None:
@@ -376,11 +245,6 @@ def test_a_refused_recording_gets_a_report_without_names() -> None:
     assert 'Fix the recording first: length unit' in as_html(found, 'file')
 
 
-def test_what_a_failed_check_could_cause_is_no_candidate() -> None:
-    examined = examine([Recording('file', rounded(recorded()))], nominal())
-    assert 'dead_zone' in examined.excluded and 'coulomb_friction' not in examined.excluded
-
-
 def stroke(speed: float, back: bool = False, wait: float = 0.0) -> Signals:
     """Load a stiffening specimen by 5 mm at constant speed, once; wait for a share of that."""
     t = np.arange(0.0, 0.005 / speed, 0.01)
@@ -397,82 +261,7 @@ SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,
                    environment__unilateral=False)
 
 
-@pytest.mark.parametrize('wait', [0.0, 0.1])
-def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed(wait: float) -> None:
-    (found,) = failed(stroke(1e-3, wait=wait), SPECIMEN)
-    assert (found.name, found.fatal) == ('constant_speed', False)
-    assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping',
-            'environment_resonance'} <= found.could_cause
-    assert not {'cubic_stiffness', 'plastic_set', 'force_bias'} & found.could_cause
-
-
-def test_a_wall_that_is_pressed_once_at_constant_speed_has_laws_of_depth_alone() -> None:
-    wall = nominal(environment__stiffness=5000.0, environment__damping=0.0)
-    free = np.arange(-2.0, 0.0, 0.01)  # before the touch-down; the robot then slows down
-    once = stroke(1e-3)
-    t, x = np.append(free, once.joint_t), np.append(3e-3 * free, once.position)
-    pressed = once._replace(wrench_t=t, joint_t=t, position=x, force=np.append(
-        np.random.default_rng(2).normal(0.0, 0.01, len(free)), once.force))
-    (found,) = failed(pressed, wall)
-    assert found.name == 'constant_speed' and 'viscoelastic_relaxation' in found.could_cause
-    tapped = pressed._replace(
-        wrench_t=np.append(t, t + 7.0), joint_t=np.append(t, t + 7.0), position=np.tile(x, 2),
-        force=np.tile(pressed.force, 2))
-    assert not failed(tapped, wall)
-
-
-@pytest.mark.parametrize('zero', [5.0, 100.0])
-def test_a_sensor_that_was_not_zeroed_has_no_wrong_sign(zero: float) -> None:
-    s = recorded()
-    assert not failed(s._replace(force=s.force + zero), nominal())
-    (found,) = failed(s._replace(force=zero - s.force), nominal())
-    assert found.name == 'force_sign'
-
-
-def test_a_recording_that_begins_in_contact_tells_no_location() -> None:
-    s = recorded()
-    pressed = np.flatnonzero(s.force < -0.7 * np.max(-s.force))
-    there = slice(pressed[0], pressed[0] + 100)
-    assert (s.force[there] < -1.0).all()
-    wall = nominal(environment__location=nominal().environment.location - 0.05)
-    short = s._replace(wrench_t=s.wrench_t[there], force=s.force[there], joint_t=s.joint_t[there],
-                       position=s.position[there])
-    assert 'wall_location' not in [one.name for one in failed(short, wall)]
-
-
-def test_a_drive_does_not_touch_a_surface() -> None:
-    signals = recorded(environment__unilateral=False)
-    drive = signals._replace(reference_t=np.empty(0), reference=np.empty((4, 0)))
-    (found,) = failed(drive, nominal())
-    assert found.name == 'unilateral' and 'set environment.unilateral to false' in found.text
-
-
-def test_stretches_between_long_pauses_are_no_bursts() -> None:
-    s = recorded()
-    stretch = np.arange(len(s.wrench_t)) // 200
-    t = s.wrench_t + 10.0 * stretch
-    (found,) = failed(Signals(t, s.force, t, s.position, t, s.reference), nominal())
-    assert (found.name, found.fatal) == ('gaps', False)
-
-
 def test_a_force_that_no_unit_explains_is_another_signal() -> None:
     (found,) = failed(stroke(1e-3, back=True)._replace(
         force=5e-9 * stroke(1e-3, back=True).force), SPECIMEN)
     assert found.name == 'force_unit' and 'belong together' in found.text
-
-
-@pytest.mark.parametrize('back, wait', [(True, 0.0), (False, 0.4)])
-def test_a_way_back_or_a_rest_tells_time_from_depth(back: bool, wait: float) -> None:
-    assert not failed(stroke(1e-3, back, wait), SPECIMEN)
-
-
-def test_a_short_step_and_a_long_rest_are_no_constant_speed() -> None:
-    t = np.arange(0.0, 60.0, 0.005)
-    x = np.minimum(t / 0.05, 1.0)
-    assert np.std(x - np.poly1d(np.polyfit(t, x, 1))(t)) < STRAIGHT < 0.1 < bend_of(t, x)
-
-
-def test_strokes_at_several_speeds_tell_time_from_depth() -> None:
-    several = [Recording(name, stroke(speed)) for name, speed in (('slow', 5e-4), ('fast', 2e-3))]
-    assert not examine(several, SPECIMEN).excluded
-    assert examine(several, SPECIMEN, fitted=1).excluded  # the second is held out

@@ -1,17 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The paper's benchmark in the closed loop."""
+"""The paper's benchmark in the closed loop, and stiff walls in it."""
 
 from __future__ import annotations
 
-from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.session import ContactSession
-from contact_estimation.plant.closed_loop import extrapolate, run_closed_loop
-from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.experiments import experiment_named
-from contact_estimation.reference.setpoints import Reference
-from core_runs import closed_loop, PAPER_SENSORS, Run
+from typing import Any
+
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
+from contact_estimation.pipeline.axis_pipeline import LOCATING
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with, Run
 import numpy as np
 import pytest
 
@@ -19,11 +18,6 @@ import pytest
 @pytest.fixture(scope='module')
 def paper_run() -> Run:
     return closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS)
-
-
-def test_contact_lasts_as_long_as_the_paper_says(paper_run: Run) -> None:
-    touching = [truth.t for truth in paper_run.truths if truth.force < 0.0]
-    assert (touching[0], touching[-1]) == pytest.approx((5.93, 9.17), abs=0.03)
 
 
 def test_indirect_adaptive_meets_the_paper_s_stiffness_error(paper_run: Run) -> None:
@@ -41,48 +35,9 @@ def test_rls_meets_the_paper_s_errors() -> None:
     assert last.damping == pytest.approx(200.0, rel=0.03)
 
 
-def test_estimates_do_not_move_before_contact(paper_run: Run) -> None:
-    free = [r.estimate for t, r in zip(paper_run.truths, paper_run.results) if t.t < 5.9]
-    assert {(e.stiffness, e.damping) for e in free} == {(3000.0, 50.0)}
-
-
-def test_estimates_do_not_move_after_contact(paper_run: Run) -> None:
-    free = [r.estimate for t, r in zip(paper_run.truths, paper_run.results) if t.t > 9.25]
-    assert len({(e.stiffness, e.damping) for e in free}) == 1
-
-
-def test_withdrawal_does_not_spoil_the_estimate(paper_run: Run) -> None:
-    final = paper_run.results[-1].estimate
-    np.testing.assert_allclose([final.stiffness, final.damping], [4800.0, 200.0], rtol=0.01)
-
-
-def test_true_force_is_never_positive(paper_run: Run) -> None:
-    assert max(truth.force for truth in paper_run.truths) <= 0.0
-
-
 def test_equal_seeds_give_equal_runs(paper_run: Run) -> None:
     _, _, again = closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS, duration=6.5)
     assert repr(again) == repr(paper_run.results[:len(again)])
-
-
-def test_reference_is_followed_along_its_parabola() -> None:
-    follow = extrapolate(2.0, Reference(0.1, 0.2, 0.3, 50.0))
-    assert follow(2.5) == pytest.approx((0.1 + 0.1 + 0.0375, 0.2 + 0.15, 0.3, 50.0))
-
-
-def test_last_contact_is_none_where_the_wall_is_out_of_reach() -> None:
-    run = run_closed_loop(
-        PlantParameters(), ContactSession(EstimationParameters()), experiment_named('none'), 0.1
-    )
-    assert run.last_contact is None
-
-
-@pytest.mark.slow
-def test_last_contact_is_the_last_sample_with_force() -> None:
-    run = run_closed_loop(
-        PlantParameters(), ContactSession(EstimationParameters()), experiment_named('none'), 6.5
-    )
-    assert run.last_contact == len(run.truths) - 1
 
 
 def test_rls_is_honest_at_the_first_touch() -> None:
@@ -92,3 +47,74 @@ def test_rls_is_honest_at_the_first_touch() -> None:
         errors = np.array([getattr(e, name) - true for e in learned])
         claimed = np.array([getattr(e, f'{name}_std') for e in learned])
         assert np.max(np.abs(errors) / claimed) < 5.0
+
+
+RESOLUTION = 1e-6
+SENSORS = {
+    'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform',
+    'sensors.position_quantisation': RESOLUTION, 'sensors.publish_velocity': False,
+}
+TUNING: dict[str, dict[str, Any]] = {
+    'multiple_model': {},
+    'rls': {},
+    'kalman': {},
+    'indirect_adaptive': {'tuning.indirect_adaptive.normalised': True},
+}
+FORCE_STD = 0.58
+
+
+def gentle_samples(
+    K_e: float, B_e: float = 200.0, amplitude: float = 8.0, seed: int = 0
+) -> list[ContactSample]:
+    """Touch softly, then 50.4 N and a slow sine, positions rounded, velocity not measured."""
+    samples = contact_samples(
+        2.0, K_e, B_e, depth=50.4 / K_e, amplitude=amplitude / K_e, force_noise=FORCE_STD,
+        with_velocity=False, seed=seed,
+    )
+    return [s._replace(position=round(s.position / RESOLUTION) * RESOLUTION) for s in samples]
+
+
+def gentle(name: str, K_e: float, **settings: Any) -> list[Estimate]:
+    """Estimate on the soft touch, the location known."""
+    named = {key.replace('.', '__'): value for key, value in TUNING[name].items()}
+    pipeline = pipeline_with(estimator=name, tuning__kalman__location_std=0.0, **named)
+    return estimates_of(gentle_samples(K_e, **settings), pipeline)
+
+
+@pytest.mark.slow
+def test_closed_loop_errors_are_within_3_claimed_std() -> None:
+    for name in TUNING:
+        for K_e, B_e, experiment in [
+            (1e5, 200.0, 'sine'), (1e5, 2000.0, 'none'), (1e6, 200.0, 'none'),
+            (1e6, 2000.0, 'sine'),
+        ]:
+            world = {**SENSORS, 'environment.stiffness': K_e, 'environment.damping': B_e}
+            last = closed_loop({'estimator': name, **TUNING[name]}, world, experiment).last
+            assert abs(last.stiffness - K_e) < 3.0 * last.stiffness_std, name
+            assert abs(last.damping - B_e) < 3.0 * last.damping_std, (name, K_e, B_e, experiment)
+
+
+@pytest.mark.slow
+def test_soft_touch_says_how_badly_damping_can_be_told() -> None:
+    for name in TUNING:
+        for K_e, B_e, amplitude in [
+            (1e5, 200.0, 0.0), (1e5, 5000.0, 0.0), (1e6, 200.0, 0.0), (1e6, 200.0, 8.0),
+            (1e6, 5000.0, 0.0),
+        ]:
+            last = gentle(name, K_e, B_e=B_e, amplitude=amplitude)[-1]
+            if name == 'multiple_model' and not amplitude and last.reason == LOCATING:
+                continue  # 50 um inside a surface known to 2 mm tell nothing of K_e
+            assert last.status is EstimateStatus.ESTIMATING, (name, K_e, B_e, amplitude)
+            assert abs(last.damping - B_e) < 3.0 * last.damping_std, (name, K_e, B_e, amplitude)
+
+
+@pytest.mark.slow
+def test_stiffness_of_a_soft_touch_is_within_2_claimed_std() -> None:
+    for name in TUNING:
+        for K_e, B_e, amplitude in [
+            (1e5, 200.0, 0.0), (1e5, 5000.0, 8.0), (1e6, 200.0, 8.0), (1e6, 5000.0, 0.0),
+        ]:
+            for seed in range(3):
+                last = gentle(name, K_e, B_e=B_e, amplitude=amplitude, seed=seed)[-1]
+                if last.reason != LOCATING:  # as above
+                    assert abs(last.stiffness - K_e) < 2.0 * last.stiffness_std, name

@@ -3,16 +3,13 @@
 
 from typing import Any
 
-from arm_contact import CENTRE, instants, MASS, NORMAL, PARAMETERS, START
+from arm_contact import CENTRE, MASS, PARAMETERS
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
 from contact_estimation.parameters.values import build
-from contact_estimation.physics.compensation import Compensation
-from contact_estimation.physics.tool_inertia import ToolInertia
 from contact_estimation.pipeline.arm_kinematics import kinematics_of
 from contact_estimation.pipeline.arm_outputs import CompensatedWrench
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.signals.filters import ButterworthBank
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -65,46 +62,3 @@ def test_a_tool_swung_in_free_flight_leaves_no_wrench(measured: bool) -> None:
     assert np.abs(inertia[:, :3]).max() > 20.0
     np.testing.assert_allclose(left[:, :3], 0.0, atol=5e-3)
     np.testing.assert_allclose(left[:, 3:], 0.0, atol=5e-4)
-
-
-def test_along_the_normal_it_is_the_force_that_the_estimator_fits() -> None:
-    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()]
-    R, p = pose(START, 'sensor')[:3, :3], pose(START, 'sensor')[:3, 3]
-    at_tip = (R.T @ (pose(START)[:3, 3] - p)).tolist()  # the estimator accelerates the tip
-    forces = published(rows, {**WITH_INERTIA, 'tool.centre': at_tip})[:, :3]
-    along = [NORMAL @ pose(tuple(q), 'sensor')[:3, :3] @ f for (_, q, *_), f in zip(rows, forces)]
-    known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3, 1.0 / STEP)
-    fitted = []
-    for contact in (i.contact for i in instants()):
-        fitted.append(-known.take(contact, 0.0, -contact.force).rest)
-    np.testing.assert_allclose(along[2:], fitted[2:], atol=5e-3)
-
-
-def test_the_average_passes_the_filter_of_the_estimator_from_its_first_value_on() -> None:
-    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()[:200]]
-    averaged = published(rows, WITH_INERTIA)[2:]
-    rate = 1e9 / (rows[1][0] - rows[0][0])
-    bank = ButterworthBank(6, 50.0, rate)
-    for _ in range(2000):
-        bank.take(averaged[0].tolist())
-    expected = [bank.take(row) for row in averaged.tolist()]
-    filtered = published(rows, {
-        **WITH_INERTIA, 'conditioning.cutoff_frequency': 50.0, 'sample_rate': rate})[2:]
-    np.testing.assert_allclose(filtered, expected, atol=1e-9)
-
-
-def test_without_the_mass_it_is_that_of_the_sample_alone() -> None:
-    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()[:5]]
-    given = {**PARAMETERS, 'force_sensor.frame': 'sensor'}
-    truth = NORMAL * instants()[4].contact.force
-    in_base = pose(tuple(rows[4][1]), 'sensor')[:3, :3] @ published(rows, given)[4][:3]
-    np.testing.assert_allclose(in_base, truth, atol=1e-9)
-
-
-def test_a_gap_starts_the_accelerations_again() -> None:
-    rows = [(i.contact.stamp_ns + (10**9 if k > 9 else 0), i.q, i.q_dot, i.wrench)
-            for k, i in enumerate(instants()[:13])]
-    plain = published(rows, {**WITH_INERTIA, 'physics.tool_inertia.mass': np.nan})
-    found = published(rows, WITH_INERTIA)
-    np.testing.assert_array_equal(found[10:12], plain[10:12])
-    assert not np.array_equal(found[12], plain[12])

@@ -1,47 +1,33 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Eq. (6) against forms written in another way."""
+"""Eq. (6) and its recursive estimation against forms written in another way."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import hypot, tanh
-from typing import Any
+from typing import Any, Sequence
 
-from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.contact_points import (
-    contact_forces, ContactGeometry, force_regressor, frictionless_directions, point_motions,
-    PointMotions, slip_directions, ToolMotion, total_wrench)
-from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
+    contact_forces, ContactGeometry, force_regressor, point_motions, ToolMotion, total_wrench)
+from contact_estimation.estimators.contact_points_estimator import (
+    ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters, ContactPointsSample)
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.studies.reproduction.three_contacts import GEOMETRY, motion_at
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
-
-
-def at_rest(position: tuple[float, float, float], velocity: Any = (0.0, 0.0, 0.0)) -> ToolMotion:
-    """Place a tool without turning it."""
-    return ToolMotion(np.array(position), np.eye(3), np.array(velocity), np.zeros(3))
-
-
-def one_point(normal: tuple[float, float, float]) -> ContactGeometry:
-    """Make a tool whose origin touches a plane through 0."""
-    return ContactGeometry(np.zeros((1, 3)), np.zeros((1, 3)), np.array([normal]))
 
 
 def force_of(geometry: ContactGeometry, motion: ToolMotion, mu: float = MU) -> np.ndarray:
     """Compute the force of eq. (6)."""
     points = point_motions(geometry, motion)
     return total_wrench(points.arms, contact_forces(geometry, points, K_E, B_E, mu))[0]
-
-
-@pytest.mark.parametrize('delta, rate', [(0.01, 0.05), (0.01, -0.1), (0.001, -0.1), (-0.01, 0.1)])
-def test_one_point_along_x_is_eq_3(delta: float, rate: float) -> None:
-    force = force_of(one_point((-1.0, 0.0, 0.0)), at_rest((delta, 0.0, 0.0), (rate, 0.0, 0.0)))
-    expected = float(kelvin_voigt_force(delta, rate, K_E, B_E))
-    assert force.tolist() == pytest.approx([expected, 0.0, 0.0], abs=1e-12)
 
 
 def scalar_force(t: float) -> list[float]:
@@ -72,19 +58,6 @@ def test_force_equals_eq_6_written_out_in_scalars(t: float) -> None:
 
 
 @pytest.mark.parametrize('t', INSTANTS)
-def test_rates_are_the_derivatives_of_penetration_and_place(t: float) -> None:
-    h = 1e-5
-    before, now, after = (motion_at(t + step) for step in (-h, 0.0, h))
-    points = point_motions(GEOMETRY, now)
-    deltas = [point_motions(GEOMETRY, m).delta for m in (before, after)]
-    places = [m.position + point_motions(GEOMETRY, m).arms for m in (before, after)]
-    velocities = (places[1] - places[0]) / (2.0 * h)
-    assert points.delta_dot == pytest.approx((deltas[1] - deltas[0]) / (2.0 * h), abs=1e-6)
-    tangential = np.array([v - v @ n * n for v, n in zip(velocities, GEOMETRY.normals)])
-    assert points.slip.ravel() == pytest.approx(tangential.ravel(), abs=1e-6)
-
-
-@pytest.mark.parametrize('t', INSTANTS)
 def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
     motion = motion_at(t)
     points = point_motions(GEOMETRY, motion)
@@ -98,89 +71,108 @@ def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
     assert whole == pytest.approx(at_points, rel=1e-9, abs=1e-12)
 
 
-def with_far_point() -> ContactGeometry:
-    """Add a point that is outside of its surface all the time."""
-    return ContactGeometry(
-        np.vstack([GEOMETRY.points, [[0.0, 0.0, 0.5]]]),
-        np.vstack([GEOMETRY.surfaces, [[0.0, 0.0, 0.1]]]),
-        np.vstack([GEOMETRY.normals, [[0.0, 0.0, 1.0]]]),
-    )
+K_E, B_E, MU = 4800.0, 200.0, 0.3
+PERIOD_S = 0.004
 
 
-@pytest.mark.parametrize('t', INSTANTS)
-def test_point_that_does_not_touch_contributes_nothing(t: float) -> None:
-    geometry, motion = with_far_point(), motion_at(t)
-    points = point_motions(geometry, motion)
-    assert points.delta[3] < -0.3
-    assert contact_forces(geometry, points, K_E, B_E, MU)[3].tolist() == [0.0, 0.0, 0.0]
-    assert force_of(geometry, motion) == pytest.approx(force_of(GEOMETRY, motion), abs=1e-12)
+@lru_cache(maxsize=None)
+def samples(
+    begin: float, end: float, noise: float = 0.5, K_e: float = K_E
+) -> tuple[ContactPointsSample, ...]:
+    """Take a stretch of the example, with force noise alone."""
+    source, made = np.random.default_rng(3), []
+    for t in np.arange(begin, end, PERIOD_S):
+        motion = motion_at(float(t))
+        points = point_motions(GEOMETRY, motion)
+        force = contact_forces(GEOMETRY, points, K_e, B_E, MU).sum(axis=0)
+        felt = force + source.normal(0.0, noise, 3)
+        made.append(ContactPointsSample(round(t * 1e9), felt, motion))
+    return tuple(made)
 
 
-def test_point_that_withdraws_too_fast_does_not_pull_while_another_presses() -> None:
-    between = ContactGeometry(
-        np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]]),
-        np.array([[0.099, 0.0, 0.0], [-0.099, 0.0, 0.0]]),
-        np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]),
-    )
-    force = force_of(between, at_rest((0.0, 0.0, 0.0), (0.1, 0.0, 0.0)))
-    assert force[0] == pytest.approx(-(K_E * 0.001 + B_E * 0.1))
+def estimator_with(**tuning: Any) -> ContactPointsEstimator:
+    """Make an estimator for the tool of the example."""
+    return ContactPointsEstimator(GEOMETRY, ContactPointsParameters(**tuning))
 
 
-def test_friction_is_mu_times_the_normal_force_against_the_sliding() -> None:
-    slide = np.array([0.03, -0.04, 0.0])
-    force = force_of(one_point((0.0, 0.0, 1.0)), at_rest((0.0, 0.0, -0.005), slide))
-    assert force[2] == pytest.approx(K_E * 0.005)
-    assert force[:2].tolist() == pytest.approx((-MU * K_E * 0.005 * slide[:2] / 0.05).tolist())
+def run(
+    estimator: ContactPointsEstimator, stretch: Sequence[ContactPointsSample]
+) -> list[ContactPointsEstimate]:
+    """Pass samples through an estimator."""
+    return [estimator.update(sample) for sample in stretch]
 
 
-def test_friction_grows_smoothly_from_rest() -> None:
-    assert slip_directions(np.zeros((1, 3))).tolist() == [[0.0, 0.0, 0.0]]
-    slow = slip_directions(np.array([[4e-6, 0.0, 0.0]]))
-    assert slow[0, 0] == pytest.approx(0.01, rel=1e-3)
+def stacked(
+    stretch: Sequence[ContactPointsSample], estimates: Sequence[ContactPointsEstimate]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stack the rows of all samples that were learned, of points that all slide and press."""
+    touching = np.array([True, True, True])
+    learned = [s for s, e in zip(stretch, estimates) if all(e.touching)]
+    # Begun amid the swing, it waits until all three go deeper at once.
+    assert len(learned) > 0.5 * len(stretch)
+    rows = [force_regressor(GEOMETRY, point_motions(GEOMETRY, s.motion), touching)
+            for s in learned]
+    return np.vstack(rows), np.concatenate([s.force for s in learned])
 
 
-@pytest.mark.parametrize('t', INSTANTS)
-def test_regressor_of_the_pressing_points_gives_the_force(t: float) -> None:
-    points = point_motions(GEOMETRY, motion_at(t))
-    forces = contact_forces(GEOMETRY, points, K_E, B_E, MU)
-    Phi = force_regressor(GEOMETRY, points, np.any(forces != 0.0, axis=1))
-    theta = np.array([K_E, B_E, MU * K_E, MU * B_E])
-    assert Phi @ theta == pytest.approx(forces.sum(axis=0), rel=1e-9, abs=1e-9)
+# From the front foot alone to the rear foot; then all three points slide without a pause.
+FIRST, SLIDING = (1.0, 3.1), (5.4, 6.6)
 
 
-@pytest.mark.parametrize('sticking, rank', [
-    ((False, False, False), 3), ((True, False, False), 1), ((True, True, False), 1),
-    ((False, False, True), 1), ((True, False, True), 0),
-])
-def test_directions_without_friction_are_normal_to_every_surface_that_sticks(
-    sticking: tuple[bool, ...], rank: int
+@pytest.mark.parametrize('mu, forgetting', [(0.0, 1.0), (0.3, 1.0), (0.3, 0.98)])
+def test_with_known_friction_it_is_weighted_least_squares_over_all_rows(
+    mu: float, forgetting: float
 ) -> None:
-    rows = frictionless_directions(GEOMETRY, np.array(sticking))
-    assert rows @ rows.T == pytest.approx(np.eye(rank), abs=1e-12)
-    rubbing = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # both lie in the floor
-    assert rank == 3 or not sticking[0] or np.abs(rows @ rubbing.T).max(initial=0.0) < 1e-12
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'forgetting_factor': forgetting}
+    estimator = estimator_with(initial_friction=mu, friction_std=0.0, **wide)
+    stretch = samples(*SLIDING)
+    estimates = run(estimator, stretch)
+    last = estimates[-1]
+    Phi, force = stacked(stretch, estimates)
+    known = Phi[:, :2] + mu * Phi[:, 2:]
+    age = np.arange(len(force))[::-1] // 3
+    weight = forgetting ** (0.5 * age)
+    gain = np.linalg.pinv(known * weight[:, None]) * weight  # (2, rows): theta = gain F
+    assert (last.stiffness, last.damping) == pytest.approx(tuple(gain @ force), rel=1e-6)
+    spread = 0.6 * np.linalg.norm(gain, axis=1)  # of that linear function of the noise
+    assert (last.stiffness_std, last.damping_std) == pytest.approx(spread, rel=1e-6)
 
 
-def geometry_with(**changed: Any) -> ContactGeometry:
-    """Make a valid geometry but for what is changed."""
-    flat = {'points': np.zeros((2, 3)), 'surfaces': np.zeros((2, 3)),
-            'normals': np.array([[0.0, 0.0, 1.0]] * 2)}
-    return ContactGeometry(**{**flat, **changed})
+def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'friction_std': 1e3}
+    estimates = run(estimator_with(forgetting_factor=1.0, **wide), samples(*SLIDING))
+    last = estimates[-1]
+    Phi, force = stacked(samples(*SLIDING), estimates)
+
+    def residuals(theta: np.ndarray) -> np.ndarray:
+        """Write eq. (6) with K in 1000 N/m and B in 100 N s/m."""
+        K, B, mu = theta * (1e3, 1e2, 1.0)
+        return Phi @ np.array([K, B, mu * K, mu * B]) - force
+
+    K, B, mu = least_squares(residuals, [3.0, 1.0, 0.1], xtol=1e-14, ftol=1e-14).x
+    assert (last.stiffness, last.damping) == pytest.approx((1e3 * K, 1e2 * B), rel=1e-5)
+    assert last.friction == pytest.approx(mu, rel=1e-5)
 
 
-def test_arrays_of_different_shape_are_refused_by_name() -> None:
-    with pytest.raises(SignalShapeError, match=r'normals must have a row .* got \(3, 3\)'):
-        geometry_with(normals=np.eye(3))
-    with pytest.raises(SignalShapeError, match=r'points must have a row .* got \(3,\)'):
-        geometry_with(points=np.zeros(3))
+def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> ContactPointsSample:
+    """Press the feet and the nose so deep, level, under the force that this takes."""
+    place = np.array([0.1 + depths[1], 0.0, 0.04 - depths[0]])
+    motion = ToolMotion(place, np.eye(3), np.array(velocity), np.zeros(3))
+    points = point_motions(GEOMETRY, motion)
+    force = contact_forces(GEOMETRY, points, K_E, B_E, MU).sum(axis=0)
+    return ContactPointsSample(0, force, motion)
 
 
-def test_normal_that_is_no_unit_vector_is_refused() -> None:
-    with pytest.raises(ParameterRangeError, match='normals must have length 1.*divide by them'):
-        geometry_with(normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]))
-
-
-def test_negative_friction_is_refused() -> None:
-    points = PointMotions(np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3)))
-    with pytest.raises(ParameterRangeError, match='mu must be >= 0, got -0.1'):
-        contact_forces(GEOMETRY, points, K_E, B_E, -0.1)
+@pytest.mark.parametrize('sample, reason', [
+    (resting((0.005, -0.02), (0.0, 0.0, 0.05)), 'a point may touch or not'),  # withdraws
+    (resting((1e-6, -0.02), (0.0, 0.0, -0.1)), 'a point may touch or not'),  # at the surface
+    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown'),
+])
+def test_what_cannot_be_told_from_the_motion_is_not_learned(
+    sample: ContactPointsSample, reason: str
+) -> None:
+    estimator = estimator_with()
+    before = estimator.update(samples(0.0, 0.1)[0])
+    after = estimator.update(sample)
+    assert (after.status, after.reason) == (EstimateStatus.FROZEN, reason)
+    assert after[1:7] == before[1:7]

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.commands.demonstrate import CONCEALED, main, NOMINAL, WORLD
-from contact_estimation.parameters.values import build, flatten
+from contact_estimation.commands.demonstrate import CONCEALED, main, WORLD
+from contact_estimation.parameters.values import build
 from contact_estimation.physics import effects_that_are_on
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
@@ -20,29 +20,9 @@ def test_each_concealed_world_has_one_effect(concealed: dict[str, float]) -> Non
     assert len(effects_that_are_on(plant.physics)) == 1
 
 
-def test_nominal_model_knows_no_effect_and_has_other_values() -> None:
-    nominal = build(PlantParameters, NOMINAL)
-    assert effects_that_are_on(nominal.physics) == []
-    assert all(flatten(nominal)[name] != WORLD[name] for name in NOMINAL)
-
-
 def test_folder_that_is_not_empty_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'kept').write_text('')
     assert main(['--output', str(tmp_path)]) == 1
     assert 'not empty' in capsys.readouterr().err
-
-
-def test_negative_seed_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(['--output', str(tmp_path / 'new'), '--seed', '-1']) == 1
-    assert '--seed must be >= 0' in capsys.readouterr().err
-
-
-def test_unknown_sealed_effect_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    sealed = tmp_path / 'sealed.yaml'
-    sealed.write_text('plant_node: {ros__parameters: {physics: {frictoin: {F_c: 1.0}}}}')
-    assert main(['--output', str(tmp_path / 'new'), '--physics', str(sealed)]) == 1
-    assert 'frictoin' in capsys.readouterr().err

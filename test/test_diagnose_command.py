@@ -13,14 +13,7 @@ from contact_estimation.commands import diagnose
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import experiment_named
-from diagnosed_worlds import (
-    diagnosed,
-    MODEL,
-    recorded,
-    with_unknown_force,
-    write_model,
-    write_recording,
-)
+from diagnosed_worlds import MODEL, recorded, with_unknown_force, write_model, write_recording
 import numpy as np
 import pytest
 from run_commands import Command
@@ -70,34 +63,6 @@ def test_unexplained_recording_writes_all_files(
 
 
 @pytest.mark.slow
-def test_recording_gives_what_its_signals_give(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    path = tmp_path / 'r.json'
-    ended = command(folder / 'clean.mcap', '--nominal', folder / 'model.yaml', '--json', path)
-    report = json.loads(path.read_text())
-    assert (ended.code, report['verdict']) == (0, 'consistent')
-    assert report['next_experiment'] == {'text': '', 'file': None}
-    direct = diagnosed('clean')
-    assert report['recalibrated']['stiffness'] == pytest.approx(
-        direct.recalibrated.stiffness, rel=1e-4)  # stamps are whole nanoseconds
-    assert sorted(tmp_path.iterdir()) == [path]
-
-
-@pytest.mark.slow
-def test_samples_that_are_not_finite_are_left_out(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    signals = recorded()
-    force, position = signals.force.copy(), signals.position.copy()
-    force[100:1800:97], position[150:1800:89] = np.nan, np.inf
-    signals = signals._replace(force=force, position=position)
-    recording = write_recording(tmp_path / 'a.mcap', signals)
-    ended = command(recording, '--nominal', folder / 'model.yaml')
-    assert ended.code == 0 and ended.out.startswith('consistent: ')
-
-
-@pytest.mark.slow
 def test_recording_without_reference_is_diagnosed_in_contact_alone(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -137,18 +102,6 @@ def _fail(line: str) -> None:
     raise ValueError(line)
 
 
-def test_recording_without_contact_gets_no_names(folder: Path, command: Command) -> None:
-    ended = command(folder / 'free.mcap', '--nominal', folder / 'model.yaml')
-    assert ended.code == 0
-    assert ended.out.startswith('Check excitation: the force is nothing but noise')
-
-
-def test_holdout_without_contact_is_named(folder: Path, command: Command) -> None:
-    ended = command(folder / 'clean.mcap', '--nominal', folder / 'model.yaml',
-                    '--holdout', folder / 'free.mcap')
-    assert ended.out.startswith('Check excitation: free.mcap: ')
-
-
 @pytest.mark.slow
 def test_missing_topic_is_named_with_the_recorded_ones(
     folder: Path, tmp_path: Path, command: Command
@@ -172,14 +125,6 @@ def test_model_file_that_is_wrong_is_refused_with_a_hint(
 ) -> None:
     model = write_model(tmp_path / 'model.yaml', **sections)
     assert hint in command.refusal(folder / 'clean.mcap', '--nominal', model)
-
-
-@pytest.mark.slow
-def test_parameter_file_of_the_plant_node_is_a_model_file(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    model = write_model(tmp_path / 'model.yaml', experiment='sine', joint='cx', **MODEL)
-    assert command(folder / 'clean.mcap', '--nominal', model).code == 0
 
 
 def test_missing_options_and_files_are_refused(
@@ -209,37 +154,6 @@ def test_results_that_cannot_be_written_are_refused_before_the_work(
     assert 'two results cannot both be written' in line
 
 
-@pytest.mark.parametrize('option', ['--write-model', '--json'])
-def test_nominal_model_file_is_never_replaced(
-    option: str, folder: Path, tmp_path: Path, command: Command
-) -> None:
-    model = write_model(tmp_path / 'model.yaml')
-    before = model.read_bytes()
-    (tmp_path / 'link.yaml').symlink_to(model)
-    for path in (model, tmp_path / 'link.yaml'):
-        line = command.refusal(folder / 'clean.mcap', '--nominal', model, option, path)
-        assert 'it is the nominal model file' in line and 'choose another file' in line
-    assert model.read_bytes() == before
-
-
-def test_recording_of_the_fit_is_not_held_out(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    clean, bag = folder / 'clean.mcap', tmp_path / 'bag'
-    bag.mkdir()
-    (bag / 'copy.mcap').write_bytes(clean.read_bytes())
-    for tested in (clean, bag / 'copy.mcap', bag):
-        line = command.refusal(clean, '--holdout', tested, '--nominal', folder / 'model.yaml')
-        assert f'--holdout {tested} must be another recording' in line and str(clean) in line
-
-
-def test_recording_does_not_count_twice(folder: Path, tmp_path: Path, command: Command) -> None:
-    clean, copy = folder / 'clean.mcap', tmp_path / 'copy.mcap'
-    copy.write_bytes(clean.read_bytes())
-    line = command.refusal(clean, copy, '--nominal', folder / 'model.yaml')
-    assert f'{clean} holds the same data as {copy}' in line and 'leave one of them out' in line
-
-
 @pytest.mark.slow
 def test_file_that_is_cut_short_is_diagnosed_and_told(
     folder: Path, tmp_path: Path, command: Command
@@ -252,31 +166,3 @@ def test_file_that_is_cut_short_is_diagnosed_and_told(
     cut.write_bytes(content[:300])
     line = command.refusal(cut, '--nominal', folder / 'model.yaml')
     assert 'it ends before the first topic' in line
-
-
-@pytest.mark.slow
-def test_clock_that_was_set_back_is_refused(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    signals = recorded()
-    t = signals.wrench_t - np.where(signals.wrench_t > 4.0, 2.0, 0.0)
-    recording = write_recording(tmp_path / 'a.mcap', signals._replace(wrench_t=t))
-    ended = command(recording, '--nominal', folder / 'model.yaml')
-    assert ended.code == 0 and 'jump back by 2 s' in ended.out
-    assert 'fix the recording first: stamp order' in ended.out
-
-
-@pytest.mark.slow
-def test_fitted_and_held_out_recording_may_have_the_same_file_name(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    paths = [tmp_path / name / 'recording.mcap' for name in ('a', 'b')]
-    for seed, path in enumerate(paths):
-        path.parent.mkdir()
-        write_recording(path, recorded(seed=seed))
-    report = tmp_path / 'r.json'
-    ended = command(paths[0], '--holdout', paths[1], '--nominal', folder / 'model.yaml',
-                    '--json', report)
-    assert (ended.code, ended.err) == (0, '')
-    holdouts = json.loads(report.read_text())['fit']['holdouts']
-    assert [part['name'] for part in holdouts] == ['recording.mcap']

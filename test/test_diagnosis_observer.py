@@ -1,28 +1,29 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Discrete dynamics against independent integration; innovations of right and wrong models."""
+"""Innovations, candidates and credible laws of a diagnosis."""
 
 from __future__ import annotations
 
-from math import exp
+from typing import Any
 
+from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
+from contact_estimation.diagnosis.fit.credible import is_credible
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
+from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
-    coast,
-    innovations,
-    innovations_of,
-    innovations_under,
-    kalman_filter,
-    run,
-    run_velocity,
-)
+    innovations, kalman_filter, run, run_velocity)
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.numeric import discretise
+from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm, solve_discrete_are
-from scipy.signal import lfilter, lsim
+from scipy.linalg import solve_discrete_are
+from scipy.signal import lsim
 
 Array = NDArray[np.float64]
 
@@ -48,86 +49,6 @@ def test_run_is_that_of_lsim(M: float, B: float, K: float) -> None:
                                    atol=1e-8 * np.max(np.abs(expected)))
 
 
-def test_run_is_that_of_an_integration_with_straight_lines_of_force() -> None:
-    M, B, K = SYSTEMS[0]
-    short = slice(0, 100)
-
-    def rates(t: float, s: Array) -> list[float]:
-        return [s[1], (np.interp(t, T, PUSH) - B * s[1] - K * s[0]) / M]
-
-    solved = solve_ivp(rates, (0.0, T[99]), [0.0, 0.0], t_eval=T[short], max_step=H / 4.0,
-                       rtol=1e-9, atol=1e-12)
-    got = run(discretise(M, B, K, H), PUSH, 0.0, K)[short]
-    np.testing.assert_allclose(got, solved.y[0], atol=1e-8)
-
-
-@EVERY
-def test_what_holds_it_leaves_it_at_rest(M: float, B: float, K: float) -> None:
-    held = run(discretise(M, B, K, H), np.full(500, K * 0.013), 0.013, K)
-    np.testing.assert_allclose(held, 0.013, atol=1e-12)
-
-
-@EVERY
-def test_poles_are_those_of_the_dynamics(M: float, B: float, K: float) -> None:
-    poles = np.exp(np.linalg.eigvals(matrix(M, B, K)) * H)
-    expected = np.poly(poles).real
-    np.testing.assert_allclose(discretise(M, B, K, H).denominator, expected, atol=1e-9)
-
-
-@EVERY
-@pytest.mark.parametrize('scale', [1.0, 1.3])
-def test_innovations_of_a_force_are_those_of_its_motion(
-    M: float, B: float, K: float, scale: float
-) -> None:
-    system, observer = discretise(M, scale * B, K, H), discretise(M, B, K, H)
-    moved = lsim((matrix(M, scale * B, K), [[0.0], [1.0 / M]], [[1.0, 0.0]], [[0.0]]), PUSH, T)[1]
-    expected = innovations(np.asarray(moved).ravel(), observer, CUTOFF, H)
-    got = innovations_of(PUSH, system, observer, CUTOFF, H)
-    np.testing.assert_allclose(got, expected, atol=1e-7 * np.max(np.abs(expected)))
-
-
-@EVERY
-def test_innovations_under_a_force_are_those_of_the_misfit_of_its_run(
-    M: float, B: float, K: float
-) -> None:
-    system, start, c = discretise(M, B, K, H), 0.02, np.array([1.0, -1.3, 0.47, -0.035])
-    position = start + 1e-3 * np.sin(7.0 * T)
-    expected = lfilter(system.denominator, c, position - run(system, PUSH, start, K))
-    got = innovations_under(PUSH, position, start, system, c, K)
-    np.testing.assert_allclose(got, expected, atol=1e-9 * np.max(np.abs(expected)))
-
-
-@EVERY
-def test_innovations_are_those_of_an_observer(M: float, B: float, K: float) -> None:
-    noisy = run(discretise(M, B, K, H), PUSH, 0.0, K)
-    noisy[300:] += 1e-4
-    step, pole = expm(matrix(M, B, K) * H), exp(-CUTOFF * H)
-    # Ackermann: the gain L that gives A - L C both poles, C = (1, 0).
-    polynomial = (step - pole * np.eye(2)) @ (step - pole * np.eye(2))
-    observability = np.array([[1.0, 0.0], step[0]])
-    gain = polynomial @ np.linalg.solve(observability, [0.0, 1.0])
-    error, expected = np.zeros(2), []
-    misfit = noisy - run(discretise(M, B, K, H), PUSH, 0.0, K)
-    for measured in misfit.tolist():  # the state here is that of the observer less the free run
-        expected.append(measured - error[0])
-        error = step @ error + gain * expected[-1]
-    got = innovations(misfit, discretise(M, B, K, H), CUTOFF, H)
-    np.testing.assert_allclose(got, expected, atol=1e-12)
-
-
-def test_innovations_forget_an_impulse_that_the_free_run_remembers() -> None:
-    M, B, K = 50.0, 1000.0, 5000.0
-    system, push = discretise(M, B, K, H), np.zeros(500)
-    push[100] = 10.0
-    misfit = run(system, push, 0.0, K)
-    left = np.abs(innovations(misfit, system, CUTOFF, H))
-    later = 100 + round(5.0 / (CUTOFF * H))
-    # The answer to an impulse is t exp(-w t): a tenth of its peak is left at 5 / w.
-    assert np.max(left[later:]) < 0.1 * np.max(left)
-    assert np.max(left[later + round(5.0 / (CUTOFF * H)):]) < 0.003 * np.max(left)
-    assert np.abs(misfit[later]) > 0.5 * np.max(np.abs(misfit))
-
-
 def test_innovations_of_a_right_model_are_white_and_no_larger_than_the_noise() -> None:
     system, noise = discretise(*SYSTEMS[0], H), 3e-6
     measured = noise * np.random.default_rng(1).standard_normal(20000)
@@ -135,25 +56,6 @@ def test_innovations_of_a_right_model_are_white_and_no_larger_than_the_noise() -
     assert np.std(left) == pytest.approx(noise, rel=0.15)
     for lag in range(1, 8):
         assert abs(np.corrcoef(left[lag:], left[:-lag])[0, 1]) < 0.2
-
-
-def test_innovations_of_a_wrong_model_are_not_white() -> None:
-    right, wrong = discretise(*SYSTEMS[0], H), discretise(12.0, 350.0, 3000.0, H)
-    measured = run(right, PUSH, 0.0, 2500.0)
-    left = innovations(measured - run(wrong, PUSH, 0.0, 3000.0), wrong, CUTOFF, H)
-    assert np.corrcoef(left[1:], left[:-1])[0, 1] > 0.9
-    assert np.std(left) > 1e-5
-
-
-def test_innovations_of_nothing_are_nothing() -> None:
-    assert not innovations(np.zeros(100), discretise(*SYSTEMS[1], H), CUTOFF, H).any()
-
-
-@EVERY
-def test_coasting_is_the_exponential_of_the_dynamics(M: float, B: float, K: float) -> None:
-    motions = coast(discretise(M, B, K, H), 200)
-    for k in (0, 1, 17, 199):
-        np.testing.assert_allclose(motions[:, :, k].T, expm(matrix(M, B, K) * H * k), atol=1e-7)
 
 
 @EVERY
@@ -177,8 +79,98 @@ def test_kalman_filter_is_that_of_the_riccati_equation(
     assert std == pytest.approx(np.sqrt(S), rel=1e-4)
 
 
-def test_with_a_force_that_is_known_innovations_are_the_misfit_itself() -> None:
-    system = discretise(*SYSTEMS[1], H)
-    denominator, std = kalman_filter(system, 0.0, 2e-6)
-    np.testing.assert_allclose(denominator, system.denominator, atol=1e-6)
-    assert std == pytest.approx(2e-6, rel=1e-3)
+TO_AND_FRO = 0.01 * np.sin(3.0 * np.arange(2000) / 250.0)
+
+
+def without_robot(
+    x: np.ndarray, model: PlantParameters | None = None
+) -> tuple[PreparedRecording, Model]:
+    """Prepare a motion without a reference, and the force of a spring."""
+    t = np.arange(len(x)) / 250.0
+    force = -5000.0 * x + np.random.default_rng(4).normal(0.0, 0.05, len(t))
+    return prepared_from(Signals(t, force, t, x, t[:0], np.empty((4, 0))), model)
+
+
+def candidates(x: np.ndarray, **changes: Any) -> set[str]:
+    """List the effects that may be added to a permanently attached wall."""
+    recording, model = without_robot(x, nominal(**{**ATTACHED, **changes}))
+    return set(candidates_in([recording], model))
+
+
+def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
+    names = candidates(TO_AND_FRO)
+    assert names - candidates(TO_AND_FRO, environment__stiffness=0.0) == {
+        'beating_environment', 'bouc_wen_hysteresis', 'fractional_relaxation', 'free_play',
+        'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
+    assert 'environment_inertia' not in names
+    assert not any(EFFECTS[name].needs_touch for name in names)
+    assert {'cubic_stiffness', 'force_bias'} <= names
+
+
+def test_families_that_are_not_tried_are_told_with_the_reason() -> None:
+    x = 0.01 * np.interp(np.arange(2000), [0, 1200, 2000], [0.0, 1.0, 1.0])
+    recording, model = without_robot(x, nominal(**ATTACHED))
+    told = dict(untried([recording], model))
+    assert told['friction'] == 'needs a motion that returns'
+    assert told['adhesion'] == 'needs a contact that begins and ends'
+    assert told['robot'] == 'needs the reference trajectory of a robot'
+    tried = {EFFECTS[name].family for name in candidates_in([recording], model)}
+    assert not tried & set(told)
+    assert tried | set(told) == {cls.family for cls in EFFECTS.values()}
+
+
+SPRING = nominal(environment__stiffness=1000.0, environment__damping=20.0,
+                 environment__unilateral=False)
+TIMES = np.arange(3000) / 200.0
+THERE_AND_BACK = 0.005 * np.sin(1.9 * TIMES) + 0.004 * np.sin(4.4 * TIMES)
+
+
+def specimen(x: Array, stray: Array | float) -> Signals:
+    """Record an attached specimen whose force also strays [N]."""
+    force = 1000.0 * x + 5.0 * np.gradient(x, TIMES) + stray
+    noise = np.random.default_rng(4).normal(0.0, 0.01, len(TIMES))
+    return Signals(TIMES, noise - force, TIMES, x, np.empty(0), np.empty((4, 0)))
+
+
+def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
+    """Recalibrate the spring."""
+    recording, model = prepared_from(signals, SPRING)
+    return recording, fit([recording], model)
+
+
+@pytest.mark.parametrize('frequency, credible', [
+    (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
+def test_a_resonance_needs_one_period_and_eight_samples_in_it(
+    frequency: float, credible: bool
+) -> None:
+    recording, found = prepared(specimen(THERE_AND_BACK, 0.0))
+    model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
+    assert is_credible([recording], model) is credible
+
+
+@pytest.mark.parametrize('effect, values, credible', [
+    ('free_play', (0.002, 0.0005, 1.0), True),
+    ('free_play', (0.002, -0.0095, 1.0), False),
+    ('free_play', (161.0, -80.0, 1.0), False),
+    ('bilinear_stiffness', (500.0, 0.003), True),
+    ('bilinear_stiffness', (500.0, 0.03), False),
+])
+def test_the_motion_passes_every_depth_at_which_a_law_bends(
+    effect: str, values: tuple[float, ...], credible: bool
+) -> None:
+    recording, model = prepared_from(recorded(environment__unilateral=False),
+                                     nominal(environment__unilateral=False))
+    least, most = np.quantile(recording.observed.x, (0.01, 0.99))
+    assert -0.0105 < least < -0.001 and 0.004 < most < 0.03
+    assert is_credible([recording], model.with_effect(effect, values)) is credible
+
+
+@pytest.mark.parametrize('name, values, clips', [
+    ('force_saturation', (25.0,), True), ('bilinear_stiffness', (-4500.0, 0.003), False)])
+def test_a_saturating_sensor_leaves_the_force_level_and_a_soft_wall_does_not(
+    name: str, values: tuple[float, ...], clips: bool
+) -> None:
+    recording, model = prepared_from(recorded(**physics(name, *values)))
+    base = fit([recording], model)
+    found = fit([recording], base.model.with_effect('force_saturation', (25.0,)))
+    assert is_credible([recording], found.model) is clips

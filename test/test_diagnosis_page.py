@@ -8,30 +8,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 import re
-import subprocess
 import sys
 
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.conclude.location import Location
-from contact_estimation.diagnosis.conclude.result import refuse, Remainder
+from contact_estimation.diagnosis.conclude.result import refuse
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report import page as page_module
-from contact_estimation.diagnosis.report.json_report import as_dict
-from contact_estimation.diagnosis.report.page import as_html, plain, with_std
-from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.diagnosis.report.page import as_html, with_std
 from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
-from contact_estimation.fleet.page import builder as fleet_builder
-from contact_estimation.physics import EFFECTS
 from diagnosed_worlds import diagnosed, nominal
 import pytest
 
+pytestmark = pytest.mark.slow
+
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
 VOID = {'meta', 'img'}  # elements without an end tag
-PAGES = [Path(module.__file__ or '').parent for module in (page_module, fleet_builder)]
-ROOT = Path(__file__).resolve().parent.parent
 
 
 class Page(HTMLParser):
@@ -111,18 +104,6 @@ def test_page_gives_verdict_effects_and_held_out_errors(page: tuple[str, str]) -
 
 
 @pytest.mark.usefixtures('blank_pictures')
-def test_page_shows_the_finding_its_picture_and_its_proof_first() -> None:
-    d = replace(diagnosed('friction'), next_experiment='press harder')
-    text = as_html(d, 'a.mcap', 'b.yaml')
-    titles = (headline(d), d.effects[0].equation, 'Recording and simulations', '<img',
-              'coulomb friction (family friction', 'Model parameters', 'press harder',
-              'loop --experiment b.yaml', 'Where the mismatch sits', 'Errors on held-out data',
-              'Candidate effects')
-    places = [text.index(title) for title in titles]
-    assert places == sorted(places)
-
-
-@pytest.mark.usefixtures('blank_pictures')
 def test_failed_checks_stand_on_top_and_passed_ones_are_folded() -> None:
     failed = Check('quantisation', False, 'record more digits')
     checks = [Check('gaps', True, 'no pause'), failed, Check('axis', True, '', tested=False)]
@@ -132,36 +113,6 @@ def test_failed_checks_stand_on_top_and_passed_ones_are_folded() -> None:
     assert text.index('no pause') < text.index('</details>') < text.index('<img')
 
 
-@pytest.mark.usefixtures('blank_pictures')
-def test_every_figure_has_a_caption_that_says_how_to_read_it() -> None:
-    text = as_html(diagnosed('friction'), 'a.mcap')
-    captions = re.findall('<figcaption>(.*?)</figcaption>', text, re.DOTALL)
-    assert len(captions) == text.count('<img') > 5
-    assert min(map(len, captions)) > 60
-
-
-@pytest.mark.usefixtures('blank_pictures')
-def test_what_was_nearly_named_and_what_was_not_tried_is_in_all_reports() -> None:
-    d = replace(diagnosed('friction'))
-    for name, value in (('nearly', 'press a third time'), ('untried', [('adhesion', 'no pull')])):
-        object.__setattr__(d, name, value)
-    report = as_dict(d)
-    assert report['nearly'] == 'press a third time'
-    assert report['untried'] == [{'family': 'adhesion', 'reason': 'no pull'}]
-    for shown in (as_text(d), Page(as_html(d, 'a.mcap')).text):
-        assert 'press a third time.' in shown and 'Not tried' in shown
-        assert 'adhesion: no pull' in shown
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures('blank_pictures')
-def test_sections_without_content_are_left_out() -> None:
-    text = as_html(replace(diagnosed('clean'), evidence={}), 'a.mcap')
-    assert 'class="effect"' not in text
-    assert 'Next experiment' not in text and 'Candidate effects' not in text
-
-
-@pytest.mark.slow
 @pytest.mark.usefixtures('blank_pictures')
 def test_text_from_outside_is_escaped() -> None:
     hostile = '<script>"&'
@@ -176,19 +127,6 @@ def test_text_from_outside_is_escaped() -> None:
     assert 'cannot distinguish it from stribeck friction: ' in ' '.join(shown.split())
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures('blank_pictures')
-def test_parts_left_out_have_a_figure_for_each_name_and_a_sentence_on_the_rest() -> None:
-    d = diagnosed('friction')
-    place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
-    parsed = Page(as_html(replace(d, remainder=Remainder(0.123, place, '')), 'a.mcap'))
-    figures = [attributes['alt'] for tag, attributes in parsed.tags if tag == 'img']
-    assert ('Share and main parameter of coulomb_friction on each part of the recordings'
-            in figures)
-    shown = ' '.join(parsed.text.split())
-    assert 'The named effect leaves 12 % of the misfit: in the robot, during the hold' in shown
-
-
 def test_refused_recording_has_a_page_without_figures() -> None:
     pytest.importorskip('matplotlib')
     failed = Check('force_sign', False, 'the force pulls while pressing', fatal=True)
@@ -199,34 +137,6 @@ def test_refused_recording_has_a_page_without_figures() -> None:
     assert '<img' not in text and 'Model parameters' not in shown
 
 
-def test_every_section_of_the_fleet_has_a_template_and_every_template_is_used() -> None:
-    assert {path.stem for path in PAGES[1].glob('*.html')} == {*fleet_builder.SECTIONS}
-
-
-@pytest.mark.slow
-def test_templates_are_installed(tmp_path: Path) -> None:
-    pytest.importorskip('setuptools')
-    subprocess.run([sys.executable, 'setup.py', '-q', 'build_py', '--build-lib', str(tmp_path)],
-                   cwd=ROOT, check=True, capture_output=True)
-    files = [path for page in PAGES for path in page.glob('*.*')]
-    assert [path for path in files if not (tmp_path / path.relative_to(ROOT)).exists()] == []
-
-
-@pytest.mark.slow
-def test_headline_names_effects_and_refitted_values() -> None:
-    assert headline(diagnosed('friction')) == (
-        'The simulation lacks coulomb friction in the contact')
-    K = diagnosed('stiffer').recalibrated.stiffness
-    assert f'K_e is {K:.5g} N/m instead of 5000 N/m' in headline(diagnosed('stiffer'))
-    assert headline(diagnosed('unknown')).endswith('no effect of the library explains')
-
-
-@pytest.mark.parametrize('name', EFFECTS)
-def test_every_effect_has_a_meaning_of_one_line(name: str) -> None:
-    assert 10 < len(meaning(name)) < 99 and meaning(name).endswith('.')
-
-
-@pytest.mark.slow
 def test_missing_matplotlib_is_an_error_with_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     with pytest.raises(MissingPackageError, match='matplotlib.*pip install'):
@@ -246,8 +156,3 @@ def test_numbers_are_rounded_to_two_digits_of_their_uncertainty(
     value: float, std: float, text: str
 ) -> None:
     assert with_std(value, std) == text
-
-
-def test_plain_numbers_have_five_digits() -> None:
-    assert [plain(5000.0), plain(123456.7)] == ['5000', '1.2346 &times; 10<sup>5</sup>']
-    assert plain(None) == '&ndash;'

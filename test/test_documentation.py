@@ -66,21 +66,17 @@ def test_example_prints_the_output_of_the_documentation(
     assert capsys.readouterr().out == (DOC / 'example.txt').read_text()
 
 
-@pytest.mark.parametrize('page', PAGES, ids=lambda page: str(page.name))
-def test_relative_links_lead_to_files(page: Path) -> None:
-    found = re.findall(r'\]\(([^)#:]+)(?:#[^)]*)?\)|src="([^"]+)"', page.read_text())
-    targets = [page.parent / (link or source) for link, source in found]
-    missing = [str(t) for t in targets if 'generated' not in t.parts and not t.exists()]
-    assert missing == []
+def test_relative_links_lead_to_files() -> None:
+    for page in PAGES:
+        found = re.findall(r'\]\(([^)#:]+)(?:#[^)]*)?\)|src="([^"]+)"', page.read_text())
+        targets = [page.parent / (link or source) for link, source in found]
+        missing = [str(t) for t in targets if 'generated' not in t.parts and not t.exists()]
+        assert missing == [], page
 
 
-def test_pictures_are_small() -> None:
-    assert all(path.stat().st_size < 200_000 for path in (DOC / 'images').iterdir())
-
-
-@pytest.mark.parametrize('name', ce.__all__)
-def test_python_interface_page_has_every_public_name(name: str) -> None:
-    assert re.search(rf'^(\.\. .*:: )?\s*{name}$', (DOC / 'api.md').read_text(), re.M)
+def test_python_interface_page_has_every_public_name() -> None:
+    for name in ce.__all__:
+        assert re.search(rf'^(\.\. .*:: )?\s*{name}$', (DOC / 'api.md').read_text(), re.M), name
 
 
 @pytest.mark.parametrize('name', [*ce.ESTIMATORS])
@@ -99,11 +95,6 @@ def test_page_of_warnings_is_that_of_the_checks(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.syspath_prepend(str(DOC))
     pages = import_module('generated_pages')
     assert (DOC / 'warnings.md').read_text() == pages.warnings_page() + '\n'
-
-
-def test_documentation_is_not_installed_as_a_package() -> None:
-    packages = setup_arguments()['packages']
-    assert {name.partition('.')[0] for name in packages} == {'contact_estimation'}
 
 
 @pytest.mark.parametrize('model', sorted((DOC / 'models').iterdir()), ids=lambda p: p.stem)

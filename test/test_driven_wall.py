@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.driven_wall import run_driven_wall
-from contact_estimation.plant.sampled_signals import reference_through
-from contact_estimation.plant.simulation import simulate_on
 from effect_examples import example_values
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from world_reference import plant_with, reference_at, simulate, SMOOTH, START, with_effect
+from world_reference import plant_with, SMOOTH, with_effect
 
 WALL: dict[str, Any] = {
     'environment__stiffness': 1200.0, 'environment__damping': 12.0, 'environment__inertia': 0.6,
@@ -44,12 +41,6 @@ def test_driven_wall_is_that_of_an_independent_integration(name: str) -> None:
     np.testing.assert_allclose(got, expected.y[0], atol=1e-7)
 
 
-def test_time_of_a_driven_wall_counts_from_the_first_sample() -> None:
-    drifting = with_effect('stiffness_drift', **WALL)
-    early, late = (run_driven_wall(drifting, T + begin, FORCE, 0.0) for begin in (0.0, 64.0))
-    np.testing.assert_allclose(early, late, atol=1e-12)
-
-
 @pytest.mark.parametrize('name', [n for n, cls in EFFECTS.items() if cls.port == 'force_sensor'])
 def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
     if name == 'force_saturation':
@@ -63,47 +54,3 @@ def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
     swing = np.max(np.abs(nominal))
     untold = np.max(np.abs(run_driven_wall(plant_with(**WALL), T, reading, 0.0) - nominal))
     assert np.max(np.abs(got - nominal)) < min(0.05 * swing, 0.5 * untold)
-
-
-def test_wall_that_lets_go_needs_a_robot() -> None:
-    with pytest.raises(ParameterRangeError, match='permanently attached'):
-        run_driven_wall(plant_with(), T, FORCE, 0.0)
-
-
-def test_arrays_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(SignalShapeError, match='t and force of one shape'):
-        run_driven_wall(plant_with(**WALL), T, FORCE[1:], 0.0)
-
-
-def test_reference_runs_straight_between_its_samples_and_rests_outside() -> None:
-    t, rows = np.array([0.0, 1.0, 3.0]), np.arange(12.0).reshape(4, 3)
-    at = reference_through(t, rows)
-    assert at(2.0) == (1.5, 4.5, 7.5, 10.5)
-    assert at(0.25) == (0.25, 3.25, 6.25, 9.25)
-    assert at(3.0) == (2.0, 5.0, 8.0, 11.0)
-    assert (at(-1.0), at(4.0)) == ((0.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0))
-
-
-def test_held_reference_keeps_each_sample_until_the_next() -> None:
-    t, rows = np.array([0.0, 1.0, 3.0]), np.arange(12.0).reshape(4, 3)
-    at = reference_through(t, rows, held=True)
-    assert at(0.99) == (0.0, 3.0, 6.0, 9.0)
-    assert at(1.0) == at(2.9) == (1.0, 4.0, 7.0, 10.0)
-    assert at(3.0) == (2.0, 5.0, 8.0, 11.0)
-
-
-@pytest.mark.parametrize('t, rows', [
-    ([0.0, 1.0], np.zeros((3, 2))), ([0.0, 0.0], np.zeros((4, 2))), ([], np.zeros((4, 0))),
-])
-def test_reference_that_is_none_is_refused(t: list[float], rows: Any) -> None:
-    with pytest.raises(SignalShapeError, match='reference'):
-        reference_through(np.array(t), rows)
-
-
-@pytest.mark.parametrize('steps', [1, 2])
-def test_few_steps_a_sample_simulate_a_sampled_reference(steps: int) -> None:
-    rows = np.array([reference_at(t) for t in T.tolist()]).T
-    truths = simulate_on(plant_with(integration_rate=500.0 * steps), 3.0 + T, rows, START)
-    expected = [truth.position for truth in simulate(len(T), plant_with())]
-    np.testing.assert_allclose([t.position for t in truths], expected, atol=3e-6)
-    np.testing.assert_allclose([t.t for t in truths], T, atol=1e-12)

@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-from math import cos, isnan, nan, sin
+from math import sin
 from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
-from contact_estimation.reference.experiment import Experiment, PseudoRandomBinary, Segment, Sine
-from contact_estimation.reference.experiments import (
-    experiment_named, EXPERIMENTS, manoeuvre, read_experiment)
+from contact_estimation.reference.experiment import Experiment, PseudoRandomBinary, Segment
+from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS, read_experiment
 import numpy as np
 import pytest
 import yaml
@@ -45,31 +44,15 @@ def with_segment(**changes: Any) -> dict[str, Any]:
     return {'segments': [{k: v for k, v in segment.items() if v is not None}]}
 
 
-@NAMED
-@pytest.mark.parametrize('t, x_d', [(0.0, -0.1), (4.4, -0.1), (5.5, -0.0398), (6.6, 0.0204)])
-def test_approach_is_the_frozen_quintic(name: str, t: float, x_d: float) -> None:
-    assert experiment_named(name).desired(t).position == pytest.approx(x_d, abs=1e-12)
-
-
-@NAMED
-def test_withdrawal_is_the_frozen_quintic(name: str) -> None:
-    late = 10.0 if name == 'long' else 0.0
-    positions = [experiment_named(name).desired(t + late).position for t in (8.6, 9.7, 10.8, 12)]
-    assert positions == pytest.approx([0.0204, -0.0398, -0.1, -0.1], abs=1e-12)
+def test_approach_is_the_frozen_quintic() -> None:
+    for name in MANOEUVRES:
+        for t, x_d in [(0.0, -0.1), (4.4, -0.1), (5.5, -0.0398), (6.6, 0.0204)]:
+            assert experiment_named(name).desired(t).position == pytest.approx(x_d, abs=1e-12)
 
 
 @NAMED
 def test_experiment_ends_after_12_seconds_or_22(name: str) -> None:
     assert experiment_named(name).duration == pytest.approx(22.0 if name == 'long' else 12.0)
-
-
-@NAMED
-def test_force_is_wanted_from_the_approach_to_the_end_of_the_hold(name: str) -> None:
-    experiment = experiment_named(name)
-    end = 18.6 if name == 'long' else 8.6
-    wanted = [not isnan(experiment.desired(t).force) for t in
-              (0.0, 4.39, 4.41, end - 0.01, end + 0.01, 30.0)]
-    assert wanted == [False, False, True, True, False, False]
 
 
 @pytest.mark.parametrize('name', ['sine', 'long'])
@@ -79,82 +62,10 @@ def test_wanted_force_is_eq_40(name: str) -> None:
         assert experiment.desired(t).force == pytest.approx(50.0 + 8.0 * sin(20.0 * t))
 
 
-def test_wanted_force_without_excitation_is_50_n() -> None:
-    assert {experiment_named('none').desired(t).force for t in (4.5, 6.0, 8.5)} == {50.0}
-
-
-def test_binary_excitation_wants_42_or_58_n() -> None:
-    experiment = experiment_named('prbs')
-    assert {experiment.desired(t).force for t in np.arange(4.5, 8.5, 0.01)} == {42.0, 58.0}
-
-
-def test_depth_is_50_n_under_the_impedance() -> None:
-    depth = experiment_named('none').desired(7.0).position
-    assert depth * 5000.0 * 4800.0 / 9800.0 == pytest.approx(50.0, rel=1e-3)
-
-
-def test_position_excitation_lasts_from_the_approach_to_the_withdrawal() -> None:
-    plain = manoeuvre('plain', force=nan)
-    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
-    for t in (4.3, 4.5, 7.0, 9.0, 10.7, 10.9):
-        added = shaken.desired(t).position - plain.desired(t).position
-        expected = 0.002 * sin(20.0 * t) if 4.4 <= t < 10.8 else 0.0
-        assert added == pytest.approx(expected, abs=1e-12)
-
-
-def test_no_force_is_wanted_under_the_impedance_alone() -> None:
-    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
-    assert all(isnan(shaken.desired(t).force) for t in (0.0, 5.0, 7.0, 9.0))
-
-
-def test_position_excitation_has_its_feed_forward_at_every_sample() -> None:
-    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
-    t = 6.6 + 0.002 * np.arange(1, 1000)  # on the hold
-    rates = [shaken.desired(u).velocity for u in t.tolist()]
-    np.testing.assert_allclose(rates, [0.04 * cos(20.0 * u) for u in t], atol=1e-4)
-
-
-def test_position_excitation_has_its_acceleration_at_every_sample() -> None:
-    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
-    t = 6.6 + 0.002 * np.arange(1, 1000)
-    rates = [shaken.desired(u).acceleration for u in t.tolist()]
-    np.testing.assert_allclose(rates, [-0.8 * sin(20.0 * u) for u in t], atol=1e-3)
-
-
-def test_steps_of_the_position_have_no_feed_forward() -> None:
-    stepped = manoeuvre('stepped', position_excitation=PseudoRandomBinary(0.002), force=nan)
-    at = [stepped.desired(t) for t in np.arange(6.62, 8.58, 1e-3).tolist()]
-    assert {(d.velocity, d.acceleration) for d in at} == {(0.0, 0.0)}
-
-
-def test_hold_is_where_force_is_wanted_at_rest() -> None:
-    assert experiment_named('sine').hold() == pytest.approx((6.6, 8.6))
-
-
-def test_experiment_without_force_has_no_hold() -> None:
-    assert manoeuvre('plain', force=nan).hold() is None
-
-
-def test_wanted_force_of_the_hold_is_that_without_excitation() -> None:
-    assert experiment_named('sine').desired_force == 50.0
-
-
 def test_cycle_repeats_the_motion_for_ever() -> None:
     cycle, once = experiment_named('sine').cyclic(), experiment_named('sine')
     for t in (0.0, 5.0, 7.0, 11.9):
         assert cycle.desired(1200.0 + t)[:3] == pytest.approx(once.desired(t)[:3], abs=1e-9)
-
-
-def test_cycle_of_an_open_experiment_does_not_jump() -> None:
-    cycle = Experiment('open', 0.0, (Segment(1.0, 0.05), Segment(1.0, 0.1))).cyclic()
-    x = [cycle.desired(t).position for t in np.arange(0.0, 9.0, 1e-3).tolist()]
-    assert np.max(np.abs(np.diff(x))) < 4e-4
-
-
-def test_cycle_leaves_the_experiment_itself_as_it_was() -> None:
-    experiment = experiment_named('sine')
-    experiment.cyclic()
-    assert experiment.desired(19.0).position == -0.1
 
 
 def test_unknown_experiment_names_the_nearest() -> None:
@@ -170,19 +81,6 @@ def test_yaml_gives_the_experiment_written_in_python(tmp_path: Path) -> None:
         base = Experiment('b', -0.05, (Segment(1.0, -0.05), Segment(2.0, 0.01))).desired(t)
         assert wanted.force == pytest.approx(30.0 + 8.0 * sin(20.0 * t))
         assert wanted.position == pytest.approx(base.position + prbs.value(t))
-
-
-def test_yaml_keeps_name_start_and_durations(tmp_path: Path) -> None:
-    read = read_experiment(written(GOOD, tmp_path))
-    assert (read.name, read.start, read.duration) == ('test', -0.05, 4.5)
-
-
-def test_yaml_without_name_takes_that_of_the_file(tmp_path: Path) -> None:
-    assert read_experiment(written(with_segment(), tmp_path)).name == 'experiment'
-
-
-def test_yaml_without_start_begins_where_the_manoeuvre_does(tmp_path: Path) -> None:
-    assert read_experiment(written(with_segment(), tmp_path)).start == -0.1
 
 
 def test_missing_file_is_an_error_that_names_it(tmp_path: Path) -> None:
@@ -224,11 +122,3 @@ def test_mistake_in_the_file_is_an_error_that_says_which(
 ) -> None:
     with pytest.raises(ContactEstimationError, match=message):
         read_experiment(written(content, tmp_path))
-
-
-def test_rich_touches_three_times_at_different_depths_and_wants_no_force() -> None:
-    rich = experiment_named('rich')
-    desired = [rich.desired(0.01 * k) for k in range(round(100 * rich.duration))]
-    inside = np.array([point.position for point in desired]) > 0.0
-    assert np.count_nonzero(np.diff(inside.astype(int)) == 1) == 3
-    assert all(np.isnan(point.force) for point in desired)

@@ -1,23 +1,28 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Which recordings `fleet` finds, and their groups."""
+"""Which recordings `fleet` finds, and what its page finds in them."""
 
 from __future__ import annotations
 
-import os
+from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
-from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP, skipped_files
-from contact_estimation.fleet.fingerprint import recording_sha256, Settings
+from contact_estimation.fleet.discovery import find_recordings, skipped_files
+from contact_estimation.fleet.findings import changes, differences, trends
+from contact_estimation.fleet.fingerprint import Settings
+from contact_estimation.fleet.pooling import pools
+from contact_estimation.fleet.table import in_time
 from contact_estimation.plant.plant_parameters import PlantParameters
+from fleet_entries import archive, group_of, report
+import numpy as np
 import pytest
 
 
 @pytest.fixture
-def archive(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Fill the working directory with recordings of two robots."""
     for name in ('robot_a/run_9.mcap', 'robot_a/run_10.mcap', 'robot_b/bag/bag_0.mcap',
                  'robot_b/bag/metadata.yaml', 'robot_b/notes.txt', '.hidden/run.mcap'):
@@ -32,23 +37,17 @@ def names(*paths: str, group_by: str | None = None) -> list[str]:
     return [one.name for one in find_recordings(paths, group_by)]
 
 
-def test_a_folder_stands_for_its_files_and_bags_in_natural_order(archive: Path) -> None:
+def test_a_folder_stands_for_its_files_and_bags_in_natural_order(robots: Path) -> None:
     assert names('archive') == [
         'archive/robot_a/run_9.mcap', 'archive/robot_a/run_10.mcap', 'archive/robot_b/bag']
 
 
-def test_patterns_and_files_are_found_once(archive: Path) -> None:
+def test_patterns_and_files_are_found_once(robots: Path) -> None:
     assert names('archive/**/run_*', 'archive/robot_a/run_9.mcap') == [
         'archive/robot_a/run_9.mcap', 'archive/robot_a/run_10.mcap']
 
 
-def test_paths_for_workers_are_absolute(archive: Path) -> None:
-    found = find_recordings(['archive/robot_a'])
-    assert found[0].path == str(archive / 'archive/robot_a/run_9.mcap')
-    assert {one.group for one in found} == {ONE_GROUP}
-
-
-def test_groups_are_named_by_the_pattern(archive: Path) -> None:
+def test_groups_are_named_by_the_pattern(robots: Path) -> None:
     found = find_recordings(['archive'], '(robot_[a-z])/')
     assert [one.group for one in found] == ['robot_a', 'robot_a', 'robot_b']
 
@@ -57,7 +56,7 @@ def test_groups_are_named_by_the_pattern(archive: Path) -> None:
     ('(', 'must be a regular expression'), ('robot', 'must have a group in parentheses'),
     ('(robot_a)', 'must match every path, but not archive/robot_b/bag'),
 ])
-def test_an_unusable_pattern_is_refused(archive: Path, pattern: str, text: str) -> None:
+def test_an_unusable_pattern_is_refused(robots: Path, pattern: str, text: str) -> None:
     with pytest.raises(ParameterRangeError, match=text):
         find_recordings(['archive'], pattern)
 
@@ -66,48 +65,10 @@ def test_an_unusable_pattern_is_refused(archive: Path, pattern: str, text: str) 
     ('nowhere', 'nowhere does not exist'), ('archive/*.db3', 'no recording at'),
     ('empty', 'no recording at empty'),
 ])
-def test_a_path_without_recordings_is_refused(archive: Path, path: str, text: str) -> None:
-    (archive / 'empty').mkdir()
+def test_a_path_without_recordings_is_refused(robots: Path, path: str, text: str) -> None:
+    (robots / 'empty').mkdir()
     with pytest.raises(RecordingError, match=text):
         find_recordings([path])
-
-
-def test_links_and_loops_give_each_recording_once_by_its_own_name(archive: Path) -> None:
-    (archive / 'archive/a_link').symlink_to('robot_b')
-    (archive / 'archive/robot_a/self').symlink_to('.')
-    (archive / 'archive/robot_a/again.mcap').symlink_to('run_9.mcap')
-    assert names('archive') == [
-        'archive/robot_a/run_9.mcap', 'archive/robot_a/run_10.mcap', 'archive/robot_b/bag']
-
-
-def test_pipes_are_no_recordings(archive: Path) -> None:
-    os.mkfifo('archive/robot_a/pipe.mcap')
-    assert 'archive/robot_a/pipe.mcap' not in names('archive')
-    with pytest.raises(RecordingError, match='no recording at archive/robot_a/pipe.mcap'):
-        names('archive/robot_a/pipe.mcap')
-
-
-def test_a_folder_that_cannot_be_read_is_found_with_its_error(
-    archive: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def listdir(path: str | Path, listed: Any = os.listdir) -> list[str]:
-        if Path(path).name == 'robot_a':
-            raise PermissionError(13, 'Permission denied', str(path))
-        return list(listed(path))
-
-    monkeypatch.setattr(os, 'listdir', listdir)
-    found = names('archive', group_by='(robot_[a-z])/')
-    assert found == ['archive/robot_a', 'archive/robot_b/bag']
-    with pytest.raises(PermissionError):
-        recording_sha256('archive/robot_a')
-
-
-def test_hash_follows_the_content_and_not_the_place(archive: Path) -> None:
-    first = recording_sha256('archive/robot_b/bag')
-    (archive / 'archive/robot_b/bag').rename('moved')
-    assert recording_sha256('moved') == first
-    (archive / 'moved/bag_0.mcap').write_text('changed')
-    assert recording_sha256('moved') != first
 
 
 def test_key_depends_on_recording_model_options_and_version() -> None:
@@ -119,11 +80,6 @@ def test_key_depends_on_recording_model_options_and_version() -> None:
     assert Settings.of(PlantParameters()).key('recording', 'a') in keys
 
 
-def test_settings_keep_the_model() -> None:
-    model = PlantParameters(seed=3)
-    assert Settings.of(model).nominal == model
-
-
 def test_tables_and_ros_1_bags_of_a_folder_are_told_and_tables_read_where_named(
     tmp_path: Path
 ) -> None:
@@ -133,3 +89,49 @@ def test_tables_and_ros_1_bags_of_a_folder_are_told_and_tables_read_where_named(
     assert [Path(one).name for one in skipped_files([str(tmp_path)])] == ['b.csv', 'c.bag']
     named = find_recordings([str(tmp_path / '*')])
     assert [Path(one.name).name for one in named] == ['a.mcap', 'b.csv']
+
+
+RNG = np.random.default_rng(1)
+STEADY = [report(value) for value in RNG.normal(4800.0, 5.0, 20)]
+WORN = [report(4800.0 * 0.998**k + noise) for k, noise in enumerate(RNG.normal(0.0, 5.0, 20))]
+FRICTION = [report(4800.0, ['coulomb_friction'] if k >= 12 else []) for k in range(20)]
+
+
+def test_trend_is_the_median_of_all_slopes_in_pairs() -> None:
+    trend = next(one for one in trends(archive(b=WORN)) if one.quantity == 'stiffness')
+    points = list(zip(trend.numbers.tolist(), trend.values.tolist()))
+    slopes = [(y2 - y1) / (x2 - x1) for (x1, y1), (x2, y2) in combinations(points, 2)]
+    assert trend.slope == pytest.approx(np.median(slopes))
+    assert trend.per_day == pytest.approx(trend.slope)  # a recording a day
+
+
+def test_only_wear_is_a_significant_trend() -> None:
+    found = trends(archive(a=STEADY, b=WORN))
+    assert [(one.group, one.quantity) for one in found if one.significant] == [('b', 'stiffness')]
+    wear = next(one for one in found if one.significant)
+    assert wear.percent(wear.low) < -0.2 < wear.percent(wear.high) < 0.0
+
+
+def test_change_is_found_at_the_first_recording_with_the_name() -> None:
+    change, = changes(archive(a=STEADY, c=FRICTION))
+    assert (change.group, change.family, change.number) == ('c', 'friction', 13)
+    assert change.entry.name == 'c/run_12.mcap'
+    assert (change.before, change.after) == ((0, 12), (8, 8))
+    assert change.earliest == change.latest == 13
+
+
+def test_only_the_group_that_is_different_differs() -> None:
+    softer = [report(value) for value in RNG.normal(4700.0, 5.0, 20)]
+    entries = archive(a=STEADY, b=STEADY[::-1], c=softer, d=FRICTION)
+    found = [(one.group, one.what) for one in differences(entries)]
+    assert found == [('c', 'stiffness'), ('d', 'friction')]
+
+
+def test_copies_count_once_in_pools_changes_trends_and_differences() -> None:
+    worn = group_of('a', [report(4800.0 - 60.0 * k, ['coulomb_friction'] * (k > 2))
+                          for k in range(5)])
+    copies = [replace(entry, name=f'{entry.name}_{n}') for entry in worn for n in range(4)]
+    entries = in_time([*copies, *group_of('b', [report()] * 3)])
+    assert [len(pool.members) for pool in pools(entries, [], 10)] == [5, 3]
+    assert not changes(entries) and not differences(entries)
+    assert all(np.isnan(trend.slope) and len(trend.values) < 6 for trend in trends(entries))

@@ -6,13 +6,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-import html
 from pathlib import Path
-import sys
 from typing import Any, Iterator, Mapping
 
 from contact_estimation.commands import fleet as command_module
-from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.findings import changes
 from contact_estimation.fleet.fingerprint import Settings
@@ -20,7 +17,7 @@ from contact_estimation.fleet.one_recording import Result
 from contact_estimation.fleet.page.builder import as_html, SECTIONS
 from contact_estimation.fleet.pooling import Pool, PooledResult
 from contact_estimation.fleet.run import Fleet, run_fleet
-from contact_estimation.fleet.table import as_parquet, COLUMNS, require_pyarrow, rows_of
+from contact_estimation.fleet.table import as_parquet, COLUMNS, rows_of
 from contact_estimation.scheduling import Answer, Call
 from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording
 from fleet_entries import archive, outcome, report
@@ -109,15 +106,6 @@ def test_equal_recordings_are_diagnosed_once(
     assert len(workers.done) == 3
 
 
-def test_a_second_run_counts_copies_among_the_recordings_finished_before(
-    recordings: Path, tmp_path: Path, quickly: None
-) -> None:
-    fleets = [run(recordings, tmp_path, InThisProcess()) for _ in range(2)]
-    # The broken one is worked on, too: that it is broken is a result.
-    assert [(fleet.done, fleet.redone, fleet.identical) for fleet in fleets] == [
-        (0, 4, 1), (4, 0, 1)]
-
-
 def test_an_interrupted_run_resumes_to_the_same_table(
     recordings: Path, tmp_path: Path, quickly: None
 ) -> None:
@@ -130,28 +118,6 @@ def test_an_interrupted_run_resumes_to_the_same_table(
     assert (len(first.done), len(second.done)) == (2, 1)
     assert not set(first.done) & set(second.done)
     assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
-
-
-def test_an_unexpected_error_of_a_worker_is_a_row_and_not_kept(
-    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*arguments: object) -> None:
-        raise ValueError('a bug')
-
-    monkeypatch.setattr('contact_estimation.fleet.run.process', fail)
-    assert {entry.outcome['error'] for entry in run(recordings, tmp_path, InThisProcess()).entries
-            } == {'ValueError: a bug'}
-    assert list((tmp_path / 'finished').iterdir()) == []
-
-
-def test_pyarrow_that_does_not_fit_to_numpy_is_an_error_with_a_remedy(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    (tmp_path / 'pyarrow.py').write_text("raise ImportError('pyarrow requires NumPy 2.0')\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, 'pyarrow', raising=False)
-    with pytest.raises(MissingPackageError, match='NumPy 2.0; for numpy 1.26 .*"pyarrow<25"'):
-        require_pyarrow()
 
 
 def test_table_has_explicit_types_and_units() -> None:
@@ -178,16 +144,6 @@ def made_up() -> Fleet:
     return Fleet(entries, [pooled], changes(entries), 0, 27, SETTINGS)
 
 
-def test_page_counts_the_first_of_a_name_as_the_table_of_recordings_does() -> None:
-    pytest.importorskip('matplotlib')
-    fleet = made_up()
-    first = next(entry for entry in fleet.entries if entry.effects)
-    page = ' '.join(as_html(fleet).split())
-    assert first.number != 9  # its number in the group
-    assert f'first: recording {first.number} of all' in page
-    assert f'<td>{first.number}</td> <th scope="row">{html.escape(first.name)}' in page
-
-
 def test_page_says_what_changes_wears_and_differs() -> None:
     pytest.importorskip('matplotlib')
     page = as_html(made_up())
@@ -196,20 +152,6 @@ def test_page_says_what_changes_wears_and_differs() -> None:
     assert 'worn: K_e changes by -0.250 % per recording' in page
     assert '<robot>' not in page and '<script' not in page
     assert 'no contact' in page and 'broken' in page
-
-
-def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
-    pytest.importorskip('pyarrow')
-    pytest.importorskip('matplotlib')
-    archive_folder = tmp_path / 'archive'
-    archive_folder.mkdir()
-    (archive_folder / b'run_\xff.mcap'.decode('utf-8', 'surrogateescape')).write_bytes(b'')
-    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
-    entry, = fleet.entries
-    assert entry.name.endswith('/run_\\xff.mcap')
-    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
-    assert b'run_' in as_parquet(fleet.entries, 'model')
-    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
 
 
 @pytest.mark.parametrize('options, text', [
@@ -226,23 +168,6 @@ def test_wrong_options_are_refused_in_one_line(
     fleet = Command('fleet', command_module.main, capfd)
     assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
                                  *options)
-
-
-@pytest.mark.slow
-def test_dask_gives_the_same_table_as_this_process(
-    recordings: Path, tmp_path: Path, whole: Fleet, capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for package in ('distributed', 'pyarrow', 'matplotlib'):
-        pytest.importorskip(package)
-    model = write_model(tmp_path / 'model.yaml')
-    fleet = Command('fleet', command_module.main, capfd)
-    ended = fleet(recordings, '--nominal', model, '--output', tmp_path / 'out', '--jobs', '2',
-                  '--no-pages', '--pooled', '0')
-    assert ended.code == 0, ended
-    assert ended.out.startswith('4 recordings in 1 group, 0 finished before, 1 with an error')
-    assert (tmp_path / 'out/table.parquet').read_bytes() == as_parquet(
-        whole.entries, SETTINGS.model_sha256)
 
 
 @pytest.mark.slow

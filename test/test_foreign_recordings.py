@@ -7,11 +7,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-import re
 from typing import Any, Callable
 
 import contact_estimation as ce
-from contact_estimation.commands.replay import main as replay
 from contact_estimation.messages import encode_multi_array, JointStateEncoder, WrenchEncoder
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
@@ -20,7 +18,6 @@ from contact_estimation.recordings.source import RecordingSource
 from mcap.writer import Writer
 import numpy as np
 import pytest
-from run_commands import Command
 
 START_NS, PERIOD_NS = 1_750_000_000_000_000_000, 10_000_000
 WRENCH, ARRAY = 'geometry_msgs/msg/WrenchStamped', 'std_msgs/msg/Float64MultiArray'
@@ -103,18 +100,6 @@ def test_other_types_are_named_with_what_they_hold(
 ) -> None:
     with pytest.raises(ce.ContactEstimationError, match=text):
         ce.read_table(bag(tmp_path / 'a.mcap', kind, wrench), **options)
-
-
-@pytest.mark.parametrize('joint_stamp_ns, text', [
-    (0, 'clock_offset: wrench from 0 to 0.59 s, joint_states from'),
-    (START_NS + 10**12, 'expected the same time, got 0 s in common; .*--stamps received'),
-])
-def test_replay_says_of_two_clocks_what_diagnose_says(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], joint_stamp_ns: int, text: str
-) -> None:
-    path = bag(tmp_path / 'a.mcap', WRENCH, lambda k, t: stamped(k % 7, t),
-               joint_stamp_ns=joint_stamp_ns)
-    assert re.search(text, Command('replay', replay, capfd).refusal(path))
 
 
 @pytest.mark.parametrize('period_ns, cutoff', [(PERIOD_NS, 0.0), (1_250_000, 50.0)])

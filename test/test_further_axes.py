@@ -5,12 +5,10 @@
 
 from __future__ import annotations
 
-from math import inf, nan
 from typing import Any
 
 from axes_runs import (
-    AXES, feed_axes, feed_axis, Instant, instants, JOINTS, LOCATIONS, moved_instants, PARAMETERS,
-    session_of_axes, session_of_axis, WALLS)
+    AXES, feed_axes, feed_axis, Instant, instants, PARAMETERS, session_of_axes, session_of_axis)
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
@@ -18,12 +16,9 @@ from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.events import (
     apply_event, biases, EstimationEvent, event_now, TARE)
 from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.session import ContactSession
-import numpy as np
 import pytest
 
 SAMPLES = instants()
-FREE = SAMPLES[:5]
 
 
 def estimates_by_axis(results: list[Result]) -> dict[str, list[Any]]:
@@ -42,120 +37,11 @@ def test_every_axis_is_estimated_as_if_it_were_alone(estimator: str) -> None:
         assert repr(together[axis]) == repr([r.estimate for r in single])
 
 
-@pytest.mark.parametrize('axis', AXES)
-def test_estimates_of_every_axis_converge_to_its_own_wall(axis: str) -> None:
-    last = estimates_by_axis(feed_axes(session_of_axes(estimator='kalman'), SAMPLES))[axis][-1]
-    assert last.stiffness == pytest.approx(WALLS[axis][0], rel=0.02)
-    assert last.damping == pytest.approx(WALLS[axis][1], rel=0.05)
-    assert last.location == pytest.approx(LOCATIONS[axis], abs=2e-4)
-
-
 def test_reference_is_that_of_the_contact_axis_alone() -> None:
     together = feed_axes(session_of_axes(force_reference=20.0), SAMPLES)
     session = session_of_axis('x', force_reference=20.0)
     single = feed_axis(session, [s.of_axis('x') for s in SAMPLES])
     assert repr([r.reference for r in together]) == repr([r.reference for r in single])
-
-
-def as_columns(samples: list[Instant]) -> tuple[Any, ...]:
-    """Return samples as the arguments of `add_pairs`."""
-    stamps, positions, velocities, forces = zip(*samples)
-    columns = [list(np.array(c).T) for c in (forces, positions, velocities)]
-    return np.array(stamps, np.int64), *columns
-
-
-@pytest.mark.parametrize('estimator', ESTIMATORS)
-def test_many_samples_at_once_give_the_same_estimates(estimator: str) -> None:
-    one_by_one = feed_axes(session_of_axes(False, estimator=estimator), SAMPLES)
-    session = session_of_axes(False, estimator=estimator)
-    at_once = [session.add_pairs(*as_columns(part))
-               for part in (SAMPLES[:333], SAMPLES[333:])]
-    together = [estimates for part in at_once if part for estimates in part]
-    assert repr(together) == repr([result.estimates for result in one_by_one])
-
-
-def test_event_takes_effect_at_the_same_sample_in_a_batch() -> None:
-    one_by_one, at_once = session_of_axes(False), session_of_axes(False)
-    expected = feed_axes(one_by_one, SAMPLES[:500])
-    moment = one_by_one.moment
-    for session in (one_by_one, at_once):
-        session.schedule(moment, session.reset)
-    expected += feed_axes(one_by_one, SAMPLES[500:])
-    given = at_once.add_pairs(*as_columns(SAMPLES))
-    assert given is not None
-    assert repr(given) == repr([result.estimates for result in expected])
-
-
-@pytest.mark.parametrize('axis', range(3))
-@pytest.mark.parametrize('field, value, reason', [
-    ('forces', nan, 'wrench_not_finite'), ('forces', 1e7, 'wrench_absurd'),
-    ('positions', nan, 'joint_not_finite'), ('positions', -1e5, 'joint_absurd'),
-    ('velocities', 1e5, 'joint_absurd'),
-])
-def test_message_with_an_invalid_component_updates_no_axis(
-    axis: int, field: str, value: float, reason: str
-) -> None:
-    def spoiled(sample: Instant) -> Instant:
-        values = list(getattr(sample, field))
-        values[axis] = value
-        return Instant(**{**sample._asdict(), field: tuple(values)})
-
-    session = session_of_axes()
-    assert session.add_pairs(*as_columns([spoiled(s) for s in FREE])) is None
-    results = feed_axes(session, [*SAMPLES[:500], spoiled(SAMPLES[500]), *SAMPLES[501:]])
-    rest = feed_axes(session_of_axes(), SAMPLES[:500])
-    assert session.rejected[reason] == 1
-    assert repr(results[:500]) == repr(rest)
-    stamps = [r.sample.stamp_ns for r in results]
-    assert all({e.stamp_ns for e in r.estimates} == {r.sample.stamp_ns} for r in results)
-    assert field != 'forces' or SAMPLES[500].stamp_ns not in stamps
-
-
-def test_infinite_velocity_counts_as_not_measured_on_its_axis_alone() -> None:
-    def without(sample: Instant, value: float) -> Instant:
-        return sample._replace(velocities=(sample.velocities[0], value, sample.velocities[2]))
-
-    infinite = feed_axes(session_of_axes(), [without(s, inf) for s in SAMPLES])
-    missing = feed_axes(session_of_axes(), [without(s, nan) for s in SAMPLES])
-    assert len(infinite) == len(SAMPLES)
-    assert repr(infinite) == repr(missing)
-
-
-def test_after_time_was_set_back_and_with_missing_joints_each_is_as_if_alone() -> None:
-    # From contact into contact: what was filtered before the jump must not reach beyond it.
-    before = moved_instants(SAMPLES[:600], 3_000_000_000)
-    together, again = session_of_axes(), moved_instants(SAMPLES[420:600], 1_000_000_000)
-    results = feed_axes(together, before)
-    for k, (stamp_ns, positions, velocities, forces) in enumerate(again):
-        results += together.add_wrench(stamp_ns, *forces)
-        if k % 3:  # the others are interpolated
-            results += together.add_motion(stamp_ns, *positions, *velocities)
-    assert together.time_jumps == 1
-    for axis, given in estimates_by_axis(results).items():
-        session = session_of_axis(axis)
-        expected = feed_axis(session, [s.of_axis(axis) for s in before])
-        for k, sample in enumerate(s.of_axis(axis) for s in again):
-            expected += session.add_wrench(sample.stamp_ns, sample.force)
-            if k % 3:
-                expected += session.add_motion(*sample[:3])
-        assert repr(given) == repr([r.estimate for r in expected])
-
-
-def test_change_of_parameters_reaches_every_axis_and_its_location() -> None:
-    session = session_of_axes()
-    feed_axes(session, SAMPLES[:500])
-    session.change_parameters({'estimator': 'rls', 'further_axes.z.location': -0.4})
-    feed_axes(session, SAMPLES[500:])
-    assert {p.parameters.estimator for p in session.pipelines.values()} == {'rls'}
-    assert [p.location for p in session.pipelines.values()][1:] == [LOCATIONS['y'], -0.4]
-
-
-def test_reset_restores_the_initial_stiffness_on_every_axis() -> None:
-    session = session_of_axes()
-    feed_axes(session, SAMPLES[:600])
-    session.reset()
-    (result,) = feed_axes(session, SAMPLES[600:601])
-    assert [e.stiffness for e in result.estimates] == [3000.0] * 3
 
 
 def biased(samples: list[Instant], count: int) -> list[Instant]:
@@ -188,25 +74,6 @@ def test_tare_is_refused_for_all_while_one_axis_is_in_contact() -> None:
     assert set(biases(session).values()) == {0.0}
 
 
-def test_tare_is_repeated_on_the_axes_chosen_for_replay() -> None:
-    session, other = session_of_axes(), session_of_axis('y')
-    feed_axes(session, biased(SAMPLES, 300))
-    assert session.tare()[0]
-    apply_event(other, event_now(session, TARE, biases(session)))
-    assert other.pipeline.bias == pytest.approx(-2.0)
-
-
-def test_tare_of_one_axis_is_recorded_without_axis() -> None:
-    assert biases(ContactSession(EstimationParameters())) == {'force_bias': 0.0}
-
-
-def test_contact_axis_comes_first() -> None:
-    changed = {'axis': 'z', 'joint': JOINTS['z'], 'further_axes.z.joint': '',
-               'further_axes.x.joint': JOINTS['x']}
-    parameters = build(EstimationParameters, {**PARAMETERS, **changed})
-    assert list(parameters.joints.items()) == [(a, JOINTS[a]) for a in 'zxy']
-
-
 @pytest.mark.parametrize('wrong, text', [
     ({'further_axes.x.joint': 'a'}, 'further_axes.x.joint must be empty, since x is the contact'),
     ({'joint': ''}, 'joint must name the joint of axis x .* got an empty text'),
@@ -215,8 +82,3 @@ def test_contact_axis_comes_first() -> None:
 def test_axes_that_do_not_fit_together_are_refused(wrong: dict[str, str], text: str) -> None:
     with pytest.raises(ContactEstimationError, match=text):
         build(EstimationParameters, {**PARAMETERS, **wrong})
-
-
-def test_joints_are_fixed_at_start() -> None:
-    with pytest.raises(ContactEstimationError, match='further_axes.y.joint is fixed at start'):
-        session_of_axes().change_parameters({'further_axes.y.joint': 'other'})

@@ -114,6 +114,7 @@ def recovers(faults: list[str], seed: int = 0) -> None:
     assert abs(last.stiffness - K) <= max(0.02 * K, 2.0 * last.stiffness_std), (faults, last)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('fault', FAULTS)
 def test_recovers_from_a_fault(fault: str) -> None:
     recovers([fault])

@@ -1,21 +1,19 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
-"""Configuration, summary and figure of the loop, on a synthetic run."""
+"""Summary of the loop, and its excitation and experiments."""
 
 from __future__ import annotations
 
+from math import sin
 from pathlib import Path
 
+from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.ros.loop_processes import (
-    configure,
-    LoopConfiguration,
-    write_parameters,
-)
-from contact_estimation.ros.loop_run import (
-    disturbances, gap_explained, plot_run, RecordedRun, summarise)
+from contact_estimation.reference.experiment import Multisine, register_sequence
+from contact_estimation.reference.experiments import FORCE_EXCITATION
+from contact_estimation.ros.loop_processes import configure, LoopConfiguration, write_parameters
+from contact_estimation.ros.loop_run import plot_run, RecordedRun, summarise
 import numpy as np
 import pytest
 
@@ -50,59 +48,6 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
 
 
-def test_summary_keeps_the_worst_model_fit() -> None:
-    configuration = configure('sine')
-    summary = summarise(run_of(configuration), configuration)
-    assert (summary['model_fit'], summary['model_fit_worst']) == (1.5, 7.0)
-
-
-def test_summary_of_a_run_without_contact_has_no_estimates() -> None:
-    configuration = configure('sine')
-    run = RecordedRun(run_of(configuration).series)
-    summary = summarise(run, configuration)
-    assert summary['stiffness'] is None and summary['damping_error_percent'] is None
-    assert summary['samples_sent'] is None and summary['latency_ms'] is None
-
-
-def test_eq20_force_is_that_of_both_springs_at_rest() -> None:
-    configuration = configure('sine')
-    K_t, K_e = configuration.plant.robot.stiffness, configuration.plant.environment.stiffness
-    run = run_of(configuration)
-    run.series['stiffness'][:, 1] = 1.01 * K_e
-    # Unknowns F and x: F = K_t (x_r - x), eq. (1), and F = K_e x, eq. (3).
-    x_r = 50.0 / (1.01 * K_e)
-    force, _ = np.linalg.solve([[1.0, K_t], [1.0, -K_e]], [K_t * x_r, 0.0])
-    assert summarise(run, configuration)['eq20_force_n'] == pytest.approx(force)
-
-
-@pytest.mark.parametrize('mean, law, explained', [
-    (25.0, 25.5, True), (25.0, 30.0, False), (49.8, 49.8, False), (25.0, None, False),
-])
-def test_eq20_explains_a_gap_that_it_predicts(
-    mean: float, law: float | None, explained: bool
-) -> None:
-    summary = {'mean_force_n': mean, 'desired_force_n': 50.0, 'eq20_force_n': law}
-    assert gap_explained(summary) == explained
-
-
-def test_lost_samples_and_latency_over_two_cycles_disturb_a_run() -> None:
-    measured = {'samples_sent': 500, 'samples_lost': 3, 'samples_late': 7,
-                'latency_ms': {'max': 5.1}}
-    lost, late = disturbances(measured, 500.0)
-    assert lost == '3 of 500 samples dropped'
-    assert late == 'latency of 7 samples over two cycles (4 ms), up to 5.1 ms'
-    assert disturbances({**measured, 'samples_lost': 0}, 200.0) == []
-
-
-def test_figure_carries_the_note_and_the_warning() -> None:
-    pytest.importorskip('matplotlib')
-    configuration = configure('sine')
-    wall = configuration.plant.environment
-    figure = plot_run(run_of(configuration), 'a title', wall, 'eq. (20) alone', 'disturbed')
-    assert figure.axes[0].get_xlabel() == 'eq. (20) alone'
-    assert figure.axes[0].get_title(loc='left') == 'disturbed'
-
-
 def test_figure_shows_signals_estimates_and_true_values() -> None:
     pytest.importorskip('matplotlib')
     configuration = configure('sine')
@@ -131,16 +76,32 @@ def test_configuration_gives_the_estimator_the_robot_of_the_plant(tmp_path: Path
     assert plant['seed'] == 3 and plant['summary_file'] == str(tmp_path / 'plant.json')
 
 
-def test_lockstep_loses_no_sample_to_quality_of_service(tmp_path: Path) -> None:
-    for lockstep in (False, True):
-        write_parameters(tmp_path / 'out.yaml', configure('sine', lockstep=lockstep), tmp_path)
-        quality = [value for name, value in
-                   read_parameter_file(tmp_path / 'out.yaml', 'estimator_node').items()
-                   if name.startswith('qos_overrides.')]
-        assert quality == (['reliable'] * 3 if lockstep else [])
+def shift_register() -> list[int]:
+    """Run ten bits of an integer, bit k - 1 is register k; feedback from 7 and 10."""
+    state, bits = 0b1111111111, []
+    for _ in range(2046):
+        bits.append(state >> 9 & 1)
+        state = (state << 1 | (state >> 6 ^ state >> 9) & 1) & 0b1111111111
+    return bits
 
 
-def test_duration_beyond_one_experiment_repeats_it() -> None:
-    once = configure('sine')
-    twice = configure('sine', duration=2.0 * once.duration)
-    assert [c.sections['plant_node']['repeat'] for c in (once, twice)] == [False, True]
+def test_register_is_that_of_integer_bit_operations() -> None:
+    assert list(register_sequence()) == shift_register()[:1023]
+
+
+def test_sine_is_that_of_the_paper() -> None:
+    sine = FORCE_EXCITATION['sine']
+    assert sine is not None
+    assert all(sine.value(t) == pytest.approx(8.0 * sin(20.0 * t)) for t in (0.0, 0.1, 5.9))
+
+
+def test_multisine_peak_is_its_amplitude() -> None:
+    multisine = FORCE_EXCITATION['multisine']
+    assert multisine is not None
+    values = [abs(multisine.value(t)) for t in np.arange(0.0, 10.0, 1e-3).tolist()]
+    assert max(values) == pytest.approx(8.0, rel=0.01)
+
+
+def test_multisine_without_frequencies_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='at least one frequency'):
+        Multisine(1.0, [])

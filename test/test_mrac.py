@@ -5,36 +5,18 @@
 
 from __future__ import annotations
 
-from math import nan
 from typing import Any
 
-from contact_estimation.estimators.estimate import Frozen
-from contact_estimation.estimators.indirect_adaptive import (
-    IndirectAdaptive,
-    IndirectAdaptiveParameters,
-)
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
 from contact_estimation.estimators.parameters import EnvironmentParameters
-from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.values import build
-from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.session import ContactSession
-from contact_estimation.plant.closed_loop import run_closed_loop
-from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.experiments import experiment_named
-from contact_estimation.reference.setpoints import Reference
 from core_runs import closed_loop, PAPER_SENSORS, Run
-from core_steps import known, learn
+from core_steps import learn
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from scipy.integrate import solve_ivp
 
 CORNERS = [(25.0, 100.0), (25.0, 300.0), (75.0, 100.0), (75.0, 300.0)]  # of (50, 200)
-FROZEN = {
-    'tuning.mrac.control.arm_mass_gain': 0.0, 'tuning.mrac.control.arm_damping_gain': 0.0,
-}
 MOVING_S = 4.4  # the manoeuvre rests before
 
 
@@ -87,86 +69,6 @@ def test_arm_is_within_a_fifth_of_a_millimetre_of_the_model_after_two_seconds(
     assert np.max(np.abs(model_errors(arm_run(arm, experiment)))) < 2e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('arm', CORNERS)
-def test_arm_is_not_with_the_adaptation_frozen(arm: tuple[float, float]) -> None:
-    run = closed_loop({'estimator': 'mrac', **FROZEN}, bare(arm), duration=9.6)
-    assert np.max(np.abs(model_errors(run))) > 2e-4
-
-
-@pytest.mark.slow
-def test_arm_presses_as_the_target_impedance_says() -> None:
-    pressed = arm_run((75.0, 300.0)).force_at(7.0, 8.5)
-    assert pressed == pytest.approx(50.0 * 1e5 / (1e5 + 4800.0), rel=0.01)
-
-
-@pytest.mark.slow
-def test_arm_is_found_in_the_closed_loop() -> None:
-    controller = arm_run((75.0, 100.0)).session.pipeline.estimator
-    assert isinstance(controller, ModelReferenceAdaptive)
-    assert controller.following.mass == pytest.approx(75.0, rel=0.05)
-    assert controller.following.damping == pytest.approx(100.0, rel=0.1)
-
-
-@pytest.mark.slow
-def test_stiff_wall_and_position_alone_do_not_shake_the_arm() -> None:
-    plant: dict[str, Any] = {'environment.stiffness': 5e4, 'environment.damping': 500.0,
-                             'sensors.publish_velocity': False}
-    run = arm_run((25.0, 100.0), **plant)
-    touching = np.array([truth.force < 0.0 for truth in run.truths])
-    assert np.count_nonzero(np.diff(touching)) == 2
-    assert np.max(np.abs(model_errors(run, 0.0))) < 1.1e-3  # by a sample of contact more or less
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('experiment', ['sine', 'none'])
-def test_environment_is_found_with_and_without_excitation(experiment: str) -> None:
-    last = arm_run((75.0, 300.0), experiment).last
-    assert last.stiffness == pytest.approx(4800.0, rel=2e-3)
-    assert last.damping == pytest.approx(200.0, rel=0.01)
-
-
-def test_bare_arm_without_control_is_refused() -> None:
-    plant = build(PlantParameters, {'robot.control': 'force'})
-    session = ContactSession(build(EstimationParameters, {'estimator': 'kalman'}))
-    with pytest.raises(ParameterRangeError, match='expected mrac, got kalman'):
-        run_closed_loop(plant, session, experiment_named('sine'), 0.1)
-
-
-def test_model_restarts_after_a_gap_in_the_samples() -> None:
-    controller, at_rest = estimator(), Reference(0.0, 0.0, 0.0)
-    controller.observe(0.002, 0.0, 0.0, 0.0, at_rest)
-    controller.observe(0.05, 0.03, 0.0, 0.0, at_rest)
-    assert controller.following.error == 0.0
-
-
-def test_without_memory_the_environment_estimator_is_eq_25() -> None:
-    plain = estimator(memory_s=0.0)
-    adaptive = IndirectAdaptive(IndirectAdaptiveParameters(), EnvironmentParameters(), 0.002)
-    for row in rows_of(1500):
-        learn(plain, 0.002, row, 0.25)
-        learn(adaptive, 0.002, row, 0.25)
-    np.testing.assert_allclose(known(plain)[:4], known(adaptive)[:4], rtol=0.01)
-
-
-def test_memory_averages_eq_25_over_the_last_second() -> None:
-    gains = np.array([5e4, 2.5e3])
-
-    def rates(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        theta, R, Q = y[:2], y[2:6].reshape(2, 2), y[6:]
-        phi = np.array([0.01 + 0.002 * np.sin(20.0 * t), 0.04 * np.cos(20.0 * t)])
-        share = 1.0 / min(max(t, 1e-4), 1.0)
-        R_dot = share * (np.outer(phi, phi) - R)
-        Q_dot = share * (phi * (phi @ [4800.0, 200.0]) - Q)
-        return np.concatenate([-gains * (R @ theta - Q), R_dot.ravel(), Q_dot])
-
-    expected = solve_ivp(rates, (0.0, 1.0), [3000.0, 50.0, *[0.0] * 6], max_step=1e-3).y[:2, -1]
-    averaging = estimator()
-    for row in rows_of(500):
-        learn(averaging, 0.002, row)
-    np.testing.assert_allclose(known(averaging)[:2], expected, rtol=0.01)
-
-
 def test_lyapunov_function_of_eq_24_never_grows_without_noise() -> None:
     averaging, V = estimator(), []
     for row in rows_of(1500):
@@ -175,37 +77,3 @@ def test_lyapunov_function_of_eq_24_never_grows_without_noise() -> None:
                  / 2.5e3)
     assert np.max(np.diff(V)) <= 1e-9 * V[0]
     assert V[-1] < 1e-4 * V[0]
-
-
-def test_claimed_spread_is_the_spread_over_seeds() -> None:
-    ends = []
-    for seed in range(1, 51):
-        averaging = estimator()
-        averaging.update([(0.002, row) for row in rows_of(600, seed)], 0.25, Frozen(False, False))
-        ends.append(known(averaging))
-    spread = np.std([[end.stiffness, end.damping] for end in ends], axis=0)
-    claimed = np.array([ends[0].stiffness_std, ends[0].damping_std])
-    start = estimator()  # what is left of the first guess's spread is claimed too
-    start.update([(0.002, row) for row in rows_of(600)], 0.0, Frozen(False, False))
-    left = np.array([start.current().stiffness_std, start.current().damping_std])
-    np.testing.assert_allclose(np.sqrt(claimed**2 - left**2), spread, rtol=0.25)
-
-
-@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
-def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
-    mrac = estimator()
-    learn(mrac, 0.002, (60.0, 0.01, 0.05, 1.0), 0.1, frozen)
-    moved = [mrac.stiffness != 3000.0, mrac.damping != 50.0]
-    assert moved == [not frozen.stiffness, not frozen.damping]
-
-
-def test_reset_keeps_what_is_known_of_the_arm() -> None:
-    mrac = estimator()
-    mrac.following.mass = 61.0
-    mrac.reset()
-    assert mrac.following.mass == 61.0
-
-
-def test_other_estimators_make_no_control_force() -> None:
-    adaptive = IndirectAdaptive(IndirectAdaptiveParameters(), EnvironmentParameters(), 0.002)
-    np.testing.assert_equal(adaptive.control_force, nan)

@@ -17,6 +17,8 @@ from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.plant_parameters import PlantParameters, read_model
 import pytest
 
+pytestmark = pytest.mark.slow
+
 F_C = 3.0
 RUBBING = physics('coulomb_friction', F_C)
 
@@ -42,12 +44,6 @@ def test_corrected_model_is_read_from_its_file(tmp_path: Path) -> None:
         plant_of(corrected().corrected).environment.stiffness)
 
 
-def test_corrected_model_is_consistent_with_another_recording() -> None:
-    found = again(seed=5)
-    assert (found.verdict, named(found)) == ('consistent', [])
-    assert found.recalibrated.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.03)
-
-
 def test_physics_of_the_nominal_model_are_recalibrated() -> None:
     found = again(5, **physics('coulomb_friction', 1.5 * F_C))
     assert (found.verdict, named(found)) == ('recalibrate', [])
@@ -56,11 +52,9 @@ def test_physics_of_the_nominal_model_are_recalibrated() -> None:
     assert 'F_c' in as_text(found)
 
 
-@pytest.mark.parametrize('effect, values', [
-    ('quadratic_damping', (600.0,)), ('force_bias', (2.0,)), ('robot_friction', (3.0,))])
-def test_what_lacks_beyond_is_named_alone(effect: str, values: tuple[float, ...]) -> None:
-    found = again(6, **physics(effect, *values))
-    assert (found.verdict, named(found)) == ('physics_missing', [effect])
+def test_what_lacks_beyond_is_named_alone() -> None:
+    found = again(6, **physics('quadratic_damping', 600.0))
+    assert (found.verdict, named(found)) == ('physics_missing', ['quadratic_damping'])
     value, = found.effects[0].parameters.values()
-    assert value.value == pytest.approx(values[0], rel=0.1)
+    assert value.value == pytest.approx(600.0, rel=0.1)
     assert found.corrected.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.1)

@@ -46,6 +46,7 @@ def facts(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return json.loads(done.stdout)
 
 
+@pytest.mark.slow
 def test_plant_simulates_a_new_effect_from_a_model_file(facts: Any) -> None:
     without, with_effect = facts['force']
     assert with_effect > without + 2.0

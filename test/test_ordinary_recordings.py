@@ -1,20 +1,17 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Creep tests of hours, bursts, gaps, coarse positions, small units: all are ordinary data."""
+"""Ordinary recordings: slow, paused, in other units, at several places."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
-from concealed_worlds import diagnosed, named, nominal
-from contact_estimation.diagnosis.observe.motion_error import (
-    lost_by_lines,
-    motion_error,
-    quantisation_step,
-)
+from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.fit.surfaces import Surfaces, surfaces_of
 from contact_estimation.diagnosis.observe.observed import observe
-from contact_estimation.diagnosis.observe.pace import pace_of
 from contact_estimation.diagnosis.observe.parts import continuous_parts
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -47,19 +44,6 @@ def relaxing(t: Array, x: Array, K: float, K_1: float, tau: float) -> Array:
     return -K * x - branch
 
 
-@pytest.mark.parametrize('rate', [100.0, 125.0, 500.0, 1000.0])
-def test_pace_is_one_at_usual_rates(rate: float) -> None:
-    assert pace_of(1.0 / rate, 20.0) == 1.0
-
-
-def test_times_hold_the_same_samples_at_slow_rates() -> None:
-    assert pace_of(10.0, 1e5) == pytest.approx(10.0 * pace_of(1.0, 1e5))
-
-
-def test_times_shrink_with_short_recordings() -> None:
-    assert pace_of(0.001, 0.4) == pytest.approx(0.2)
-
-
 def test_a_pause_of_all_topics_makes_two_parts() -> None:
     s = touches.recorded()
     kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.2)
@@ -68,71 +52,6 @@ def test_a_pause_of_all_topics_makes_two_parts() -> None:
     parts = continuous_parts(Recording('file', cut), touches.nominal())
     assert [one.name for one in parts] == ['file, 0.0 to 2.0 s', 'file, 4.2 to 6.7 s']
     assert observe(parts[1].signals, touches.nominal()).t[0] == parts[1].signals.wrench_t[0] > 4.0
-
-
-@pytest.mark.parametrize('bend, parts', [(0.0, 1), (2.0, 2)])
-def test_a_brief_pause_divides_only_where_the_motion_bends(bend: float, parts: int) -> None:
-    t: Array = 0.01 * np.arange(4000.0)
-    x = 1e-4 * (t + bend * np.maximum(t - 20.3, 0.0))
-    kept = (t < 20.0) | (t > 20.7)
-    noise = 1e-3 * np.random.default_rng(1).normal(size=len(t))
-    signals = signals_of(t[kept], -1e4 * x[kept] + noise[kept], x[kept])
-    assert len(continuous_parts(Recording('file', signals), attached(stiffness=1e4))) == parts
-
-
-def test_a_recording_without_a_pause_stays_as_it_is() -> None:
-    s = touches.recorded()
-    (part,) = continuous_parts(Recording('file', s), touches.nominal())
-    assert part.name == 'file'
-    for before, after in zip(s, part.signals):
-        np.testing.assert_array_equal(before, after)
-
-
-def test_joints_that_start_late_cut_the_wrenches() -> None:
-    s = touches.recorded()
-    late = s._replace(joint_t=s.joint_t[300:], position=s.position[300:])
-    (part,) = continuous_parts(Recording('file', late), touches.nominal())
-    assert part.signals.wrench_t[0] == pytest.approx(s.joint_t[300], abs=0.011)
-
-
-@pytest.mark.parametrize('tone, averaged', [(0.5, True), (200.0, False)])
-def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, averaged: bool) -> None:
-    t: Array = 0.001 * np.arange(80_000.0)
-    x = 1e-3 * np.sin(2.0 * np.pi * tone * t)
-    noise = np.random.default_rng(1).normal(size=len(t))
-    whole = signals_of(t, -1e4 * x + 0.05 * noise, x + 1e-6 * noise[::-1])
-    (part,) = continuous_parts(Recording('file', whole), attached(stiffness=1e4))
-    assert len(part.signals.force) == (20_000 if averaged else 66_000)
-
-
-def test_step_of_rounded_positions_is_found() -> None:
-    x = np.cumsum(np.random.default_rng(1).normal(size=2000)) * 1e-3
-    assert quantisation_step(np.round(x / 1e-4) * 1e-4) == pytest.approx(1e-4)
-    assert quantisation_step(x) == 0.0
-
-
-def test_a_shift_between_steps_and_a_constant_speed_are_no_resolution() -> None:
-    x = np.round(np.sin(np.linspace(0.0, 9.0, 4000)) / 5e-3) * 5e-3
-    x[2000:] += 1.3e-3
-    assert quantisation_step(x) == pytest.approx(5e-3, rel=1e-3)
-    to_and_fro = np.concatenate((np.arange(1000), 999.7 - np.arange(1000)))
-    assert quantisation_step(1e-3 * to_and_fro) < 5e-4
-
-
-def test_bends_between_slow_samples_are_errors_of_the_motion() -> None:
-    t = 0.1 * np.arange(100)
-    x = np.maximum(t - 5.0, 0.0)
-    v = np.gradient(x, t)
-    errors = motion_error(x, v, 0.1, 0.0, 2.0, 1e-6, None)
-    assert errors is not None
-    assert errors[1, 50] > 0.1
-    assert errors[1, [20, 80]] == pytest.approx(0.0, abs=1e-9)
-    assert motion_error(x, v, 0.002, 0.0, 20.0, 1e-6, None) is None
-
-
-def test_straight_lines_lose_an_eighth_of_the_curvature() -> None:
-    t = np.arange(20.0)
-    assert np.all(lost_by_lines(0.5 * t**2)[2:-2] >= 0.125)
 
 
 @pytest.mark.slow
@@ -147,15 +66,57 @@ def test_relaxation_of_minutes_is_named_at_1_hz() -> None:
     assert found.effects[0].parameters['tau'].value == pytest.approx(200.0, rel=0.05)
 
 
+APART = (1e-3, -1.3e-3, 0.2e-3)
+TURNS = ((2.85, 3.2), (5.0, 5.35))
+"""Between the contacts, while the tool is away."""
+
+
+def shift_of(t: Array, places: tuple[float, ...]) -> Array:
+    """Return the place of the object: it is moved by a smooth step between two contacts."""
+    shift = np.full(len(t), places[0])
+    for before, after, (begin, end) in zip(places, places[1:], TURNS):
+        shift += (after - before) * 0.5 * (1.0 + np.tanh(
+            (t - 0.5 * (begin + end)) / (0.1 * (end - begin))))
+    return shift
+
+
+def moved(places: tuple[float, ...], **changes: Any) -> Signals:
+    """Touch an object that lies at another place in each contact, where the robot follows it."""
+    s = recorded(**changes)
+    reference, t, h = s.reference.copy(), s.reference_t, 1e-4
+    before, now, after = (shift_of(t + by, places) for by in (-h, 0.0, h))
+    reference[0] += now
+    reference[1] += (after - before) / (2.0 * h)
+    reference[2] += (after - 2.0 * now + before) / h**2
+    return s._replace(
+        position=s.position + shift_of(s.joint_t, places), reference=reference)
+
+
+def surfaces(signals: Signals) -> Surfaces:
+    """Measure the surfaces of a recording."""
+    return surfaces_of([prepared_from(signals)[0]])
+
+
+@lru_cache(maxsize=None)
+def of_moved(*changes: tuple[str, float]) -> Diagnosis:
+    """Diagnose a world whose object is moved."""
+    return diagnosed(moved(APART, **dict(changes)))
+
+
+def test_each_contact_tells_its_place_and_all_together_the_wall() -> None:
+    found = surfaces(moved(APART))
+    assert found.are_apart
+    assert found.fitted == pytest.approx(APART, abs=3e-5)
+    assert found.touched == pytest.approx(APART, abs=found.blur)
+    assert found.stiffness == pytest.approx(5000.0, rel=2e-3)
+    assert found.damping == pytest.approx(120.0, rel=0.02)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize('metre, newton', [(1.0, 1.0), (1e6, 1e3), (1e-6, 1e-6)])
-def test_names_do_not_depend_on_units(metre: float, newton: float) -> None:
-    t: Array = 0.002 * np.arange(4000.0)
-    x = 1e-3 * np.sin(3.0 * t) * np.sin(0.7 * t)
-    noise = np.random.default_rng(1).normal(size=(2, len(t)))
-    force = -(5e3 * x + 4e9 * x**3 + 20.0 * np.gradient(x, t)) + 0.01 * noise[0]
-    signals = signals_of(t, newton * force, metre * (x + 1e-7 * noise[1]))
-    unit = newton / metre
-    found = diagnosed(signals, attached(stiffness=6e3 * unit, damping=10.0 * unit))
-    assert named(found) == ['cubic_stiffness']
-    assert found.stiffness.value == pytest.approx(5e3 * unit, rel=0.02)
+def test_an_object_that_is_moved_is_told_and_its_wall_found() -> None:
+    found = of_moved()
+    assert found.verdict == 'recalibrate' and not found.effects
+    assert found.recalibrated.stiffness == pytest.approx(5000.0, rel=3e-3)
+    check, = (one for one in found.checks if one.name == 'wall_location')
+    assert not check.ok and not check.fatal
+    assert 'in 3 contacts, expected at one place' in check.text

@@ -13,20 +13,16 @@ from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.specification import parameter, ParameterGroup, specifications
-from contact_estimation.parameters.values import build, flatten
-from contact_estimation.physics import EFFECTS, effects_that_are_on, PhysicsParameters
+from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
-from contact_estimation.physics.effect import Effect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
-from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth
 from effect_examples import example
 import numpy as np
 import pytest
 from world_reference import K_e, plant_with, simulate
 
-EACH = pytest.mark.parametrize('name', EFFECTS)
 VANISHING = {  # where 0 or the neutral value is out of range, or another has to fit
     'stribeck_friction': {'physics__stribeck_friction__v_s': 1.0},
     'power_law_stiffness': {'physics__power_law_stiffness__K_n': K_e},
@@ -53,7 +49,7 @@ PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': R
 @lru_cache(maxsize=None)
 def without_effects(**wall: Any) -> list[Truth]:
     """Simulate the world without effects once."""
-    return simulate(700, plant_with(**wall))
+    return simulate(350, plant_with(**wall))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,99 +66,44 @@ class NeedsTwo(ContactEffect):
     name, equation, Parameters = 'needs_two', 'F_e -= first + second', TwoParameters
 
 
-@EACH
-def test_name_is_the_key(name: str) -> None:
-    assert EFFECTS[name].name == name
+def test_name_is_the_key_and_port_that_of_the_base() -> None:
+    for name, effect in EFFECTS.items():
+        assert effect.name == name and issubclass(effect, PORTS[effect.port]), name
 
 
-@EACH
-def test_port_is_that_of_its_base(name: str) -> None:
-    assert issubclass(EFFECTS[name], PORTS[EFFECTS[name].port])
+def test_parameters_are_off_by_default_and_described() -> None:
+    for name, effect in EFFECTS.items():
+        assert effect.when_on(effect.Parameters()) is None, name
+        for spec in specifications(effect.Parameters):
+            assert isinstance(spec.default, float) and isnan(spec.default), (name, spec.name)
+            assert spec.nan_is_off, (name, spec.name)
+            assert spec.unit and len(spec.description) > 8, (name, spec.name)
+            assert spec.name in effect.equation, (name, spec.name)
 
 
-@EACH
-def test_equation_names_every_parameter(name: str) -> None:
-    effect = EFFECTS[name]
-    assert all(spec.name in effect.equation for spec in specifications(effect.Parameters))
+def test_effect_with_neutral_parameters_changes_nothing() -> None:
+    for name in EFFECTS:
+        names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
+        wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
+        neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
+                        for key in names}
+        neutral.update(VANISHING.get(name, {}))
+        got = np.array(simulate(350, plant_with(**wall, **neutral)))
+        nominal = np.array(without_effects(**wall))
+        np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9, err_msg=name)
 
 
-@EACH
-def test_parameters_are_numbers_that_are_off_by_default(name: str) -> None:
-    for spec in specifications(EFFECTS[name].Parameters):
-        assert isinstance(spec.default, float) and isnan(spec.default) and spec.nan_is_off
-
-
-@EACH
-def test_parameters_have_unit_and_description(name: str) -> None:
-    specs = list(specifications(EFFECTS[name].Parameters))
-    assert specs and all(spec.unit and len(spec.description) > 8 for spec in specs)
-
-
-@EACH
-def test_effect_is_off_without_its_parameters(name: str) -> None:
-    assert EFFECTS[name].when_on(EFFECTS[name].Parameters()) is None
-
-
-@EACH
-def test_effect_with_neutral_parameters_changes_nothing(name: str) -> None:
-    names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
-    wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
-    neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
-                    for key in names}
-    neutral.update(VANISHING.get(name, {}))
-    got = np.array(simulate(700, plant_with(**wall, **neutral)))
-    nominal = np.array(without_effects(**wall))
-    np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9)
-
-
-@EACH
-def test_law_gives_the_same_for_numbers_and_arrays(name: str) -> None:
-    effect = example(name)
-    if not isinstance(effect, ContactEffect) or effect.states:
-        pytest.skip('not a law of the wall without states')
+def test_law_gives_the_same_for_numbers_and_arrays() -> None:
     d, v = np.linspace(1e-4, 1e-2, 20), np.linspace(-0.1, 0.1, 20)
-    arrays = effect.resistance(0.0, d, v, (), np)
-    numbers = [effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
-    np.testing.assert_allclose(arrays, numbers, rtol=1e-12)
-
-
-@EACH
-def test_estimation_and_plant_know_the_effect_by_one_name(name: str) -> None:
-    assert any(key.startswith(f'physics.{name}.') for key in flatten(PlantParameters()))
-
-
-def test_no_effect_is_on_by_default() -> None:
-    assert effects_that_are_on(PhysicsParameters()) == []
-
-
-def test_effects_that_are_on_come_in_the_order_of_the_registry() -> None:
-    physics = build(PhysicsParameters, {
-        f'{name}.{spec.name}': 0.5
-        for name, cls in reversed(EFFECTS.items()) for spec in specifications(cls.Parameters)
-    })
-    assert [effect.name for effect in effects_that_are_on(physics)] == list(EFFECTS)
+    for name in EFFECTS:
+        effect = example(name)
+        if isinstance(effect, ContactEffect) and not effect.states:
+            arrays = effect.resistance(0.0, d, v, (), np)
+            numbers = [
+                effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
+            np.testing.assert_allclose(arrays, numbers, rtol=1e-12, err_msg=name)
 
 
 def test_effect_with_only_some_of_its_parameters_is_refused() -> None:
     with pytest.raises(ParameterRangeError, match='needs_two needs all of first, second; missing'):
         NeedsTwo.when_on(TwoParameters(first=1.0))
-
-
-def test_effect_with_all_of_its_parameters_is_on() -> None:
-    assert isinstance(NeedsTwo.when_on(TwoParameters(1.0, 2.0)), Effect)
-
-
-def test_coulomb_friction_is_an_odd_smooth_sign() -> None:
-    friction = EFFECTS['coulomb_friction'].when_on(
-        EFFECTS['coulomb_friction'].Parameters(6.0))  # type: ignore[call-arg]
-    assert isinstance(friction, ContactEffect)
-    forces = [friction.resistance(0.0, 0.01, v, (), math) for v in (-0.1, -4e-4, 0.0, 4e-4, 0.1)]
-    slope = 6.0 * (math.e**2 - 1.0) / (math.e**2 + 1.0)
-    assert forces == pytest.approx([-6.0, -slope, 0.0, slope, 6.0])
-
-
-def test_hooks_that_a_contact_effect_leaves_out_change_nothing() -> None:
-    effect = NeedsTwo(TwoParameters(1.0, 2.0))
-    assert (effect.surface(1.0, (), math), effect.spring(0.0, 0.1, 7.0, math),
-            effect.damper(0.1, 0.2, 8.0, 1.0, math), effect.resistance(0.0, 0.1, 0.2, (), math),
-            effect.state_rates(0.0, 0.1, 0.2, True, ())) == ((0.0, 0.0), 7.0, 8.0, 0.0, ())

@@ -1,16 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""`--picture` of replay and simulate: a picture of force, motion and estimates."""
+"""Pictures of replay and simulate, and the progress bar of commands."""
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+import sys
 
 from contact_estimation.commands import replay, simulate
-from contact_estimation.estimators.estimate import Estimate, EstimateStatus
-from contact_estimation.pipeline.estimate_files import EstimateTrace, plot_contact
-import numpy as np
+from contact_estimation.commands.progress import Progress
 import pytest
 from run_commands import Command
 
@@ -21,12 +21,6 @@ segments:
 - {duration: 0.4, position: 0.008}
 - {duration: 0.3, position: -0.01}
 """
-
-
-def estimates(count: int, first: int = 0) -> list[tuple[Estimate, ...]]:
-    """Return estimates whose stiffness is their number."""
-    return [(Estimate(k, float(k), 2.0, 3.0, 4.0, 0.0, 0.0, EstimateStatus.ESTIMATING, ''),)
-            for k in range(first, first + count)]
 
 
 def test_simulate_and_replay_write_a_picture(
@@ -64,18 +58,29 @@ def test_a_picture_of_another_kind_is_refused(
     assert '--picture writes a PNG file, got run.pdf' in message
 
 
-def test_a_long_trace_is_thinned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('contact_estimation.pipeline.estimate_files._MOST', 10)
-    trace = EstimateTrace()
-    for first in range(0, 100, 7):
-        trace.write(estimates(7, first))
-    kept = trace.series(0)['stiffness'][:, 1]
-    assert 5 <= len(kept) <= 10
-    assert set(np.diff(kept)) == {16.0} and kept[0] == 0.0
+class Terminal(io.StringIO):
+    """A stream that claims to be a terminal."""
+
+    def isatty(self) -> bool:
+        return True
 
 
-def test_figure_without_estimates_has_force_and_motion_alone() -> None:
-    pytest.importorskip('matplotlib')
-    series = {name: np.array([[0.0, 1.0], [1.0, 2.0]]) for name in ('force', 'position')}
-    figure = plot_contact(series, 'a title')
-    assert [axis.get_ylabel() for axis in figure.axes] == ['pressing force [N]', 'position [mm]']
+def run_to_the_end(stream: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Show three updates on stderr; the bar's delays are removed."""
+    monkeypatch.setattr(sys, 'stderr', stream)
+    progress = Progress('replay')
+    progress._bar.delay = progress._bar.mininterval = 0.0
+    for fraction in (0.25, 0.5, 1.0):
+        progress.show(fraction, '7 samples')
+    progress.done()
+    return stream.getvalue()
+
+
+def test_bar_is_shown_on_a_terminal_and_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = run_to_the_end(Terminal(), monkeypatch)
+    assert 'replay  50.0 %' in shown and '7 samples' in shown
+    assert shown.endswith('\r') and not shown.rsplit('\r', 2)[-2].strip()
+
+
+def test_nothing_is_written_to_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run_to_the_end(io.StringIO(), monkeypatch) == ''

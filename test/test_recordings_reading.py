@@ -13,7 +13,7 @@ from typing import Any
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.recordings import RecordingReader, RecordingWriter
-from mcap.writer import CompressionType, IndexType
+from mcap.writer import CompressionType
 from mcap_files import numbers, plain_file, STRING
 import pytest
 
@@ -40,43 +40,6 @@ def test_every_kind_of_file_is_read(
     assert numbers(reader, ['odd']) == list(range(1, 300, 2))
     assert reader.metadata() == {'parameters': {'a': '1'}}
     assert (reader.truncated, reader.damaged_chunks, reader.progress) == (not finish, 0, 1.0)
-
-
-def test_file_without_any_index_is_read(tmp_path: Path) -> None:
-    path = plain_file(tmp_path / 'a.mcap', index_types=IndexType.NONE, use_statistics=False,
-                      use_summary_offsets=False, repeat_channels=False, repeat_schemas=False)
-    reader = RecordingReader(path)
-    assert len(reader.topics()) == 2
-    assert reader.metadata() == {'parameters': {'a': '1'}}
-    assert numbers(reader) == list(range(300))
-    assert (reader.start_ns, reader.end_ns) == (0, 299)
-    assert not reader.truncated
-
-
-def test_topic_is_handed_out_as_it_was_asked_for(tmp_path: Path) -> None:
-    reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
-    assert {message.topic for message in reader.messages(['even', '/odd'])} == {'even', '/odd'}
-    assert {message.topic for message in reader.messages()} == {'/even', '/odd'}
-
-
-def test_batches_hold_the_same_messages(tmp_path: Path) -> None:
-    reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
-    batches = list(reader.batches(['odd']))
-    assert len(batches) > 10
-    assert [m for batch in batches for m in batch] == list(reader.messages(['odd']))
-
-
-def test_progress_rises_from_chunk_to_chunk(tmp_path: Path) -> None:
-    reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
-    steps = [reader.progress for _ in reader.batches()]
-    assert steps == sorted(set(steps))
-    assert 0 < steps[0] < 0.1
-
-
-def test_log_times_are_those_of_the_messages(tmp_path: Path) -> None:
-    reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
-    assert [m.log_time_ns for m in reader.messages()] == list(range(300))
-    assert (reader.start_ns, reader.end_ns) == (0, 299)
 
 
 @pytest.mark.slow
@@ -108,22 +71,6 @@ def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path: Path) -> None:
     assert numbers(RecordingReader(folder)) == [*range(10), *range(20)]
 
 
-def test_folder_without_metadata_is_read_in_natural_order(tmp_path: Path) -> None:
-    for number, count in ((10, 5), (9, 3)):
-        plain_file(tmp_path / f'bag_{number}.mcap', count)
-    reader = RecordingReader(tmp_path)
-    assert numbers(reader) == [*range(3), *range(5)]
-    assert reader.progress == 1.0
-
-
-def test_folder_that_lacks_a_listed_file_is_refused(tmp_path: Path) -> None:
-    with RecordingWriter.folder(tmp_path / 'run'):
-        pass
-    (tmp_path / 'run' / 'run_0.mcap').unlink()
-    with pytest.raises(RecordingError, match='lacks run_0.mcap'):
-        RecordingReader(tmp_path / 'run')
-
-
 def test_missing_and_empty_places_are_named(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='does not exist'):
         RecordingReader(tmp_path / 'nowhere')
@@ -136,28 +83,6 @@ def test_missing_topic_lists_those_that_are_there(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='has no topic /wrench; it has: /even .*/odd') as e:
         reader.messages(['wrench', 'odd'])
     assert '--topic wrench:=/name' in str(e.value)
-
-
-def test_similar_topic_is_suggested(tmp_path: Path) -> None:
-    path = tmp_path / 'a.mcap'
-    with RecordingWriter.file(path) as writer:
-        writer.write('/fts/wrench', STRING, b'', 0)
-    with pytest.raises(RecordingError, match='--topic wrench:=/fts/wrench'):
-        RecordingReader(path).messages(['wrench'])
-
-
-def test_recording_without_messages_lacks_every_topic(tmp_path: Path) -> None:
-    RecordingWriter.folder(tmp_path / 'run').close()
-    reader = RecordingReader(tmp_path / 'run')
-    assert (list(reader.messages()), reader.topics(), reader.start_ns) == ([], {}, None)
-    with pytest.raises(RecordingError, match='it has: no topics'):
-        reader.messages(['wrench'])
-
-
-def test_topics_leave_no_trace_in_progress(tmp_path: Path) -> None:
-    reader = RecordingReader(plain_file(tmp_path / 'a.mcap', finish=False))
-    reader.topics()
-    assert (reader.progress, reader.damaged_chunks) == (0.0, 0)
 
 
 def test_reading_imports_neither_estimators_nor_rosbags() -> None:

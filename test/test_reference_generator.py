@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The reference x_r: continuous, slew-limited, with the feed-forward of a smooth force."""
+"""The reference x_r and the laws from force to position, alone and in closed loop."""
 
 from __future__ import annotations
 
@@ -9,13 +9,54 @@ from math import nan
 from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.reference.experiment import PseudoRandomBinary
+from contact_estimation.parameters.values import build
+from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.reference.parameters import ReferenceParameters
-from contact_estimation.reference.reference_generator import ReferenceGenerator
+from contact_estimation.reference.reference_generator import (
+    eq20_compliance, quintic, ReferenceGenerator, series_compliance)
 from contact_estimation.reference.setpoints import Desired, Reference
 from core_runs import closed_loop, PAPER_SENSORS
 import numpy as np
 import pytest
+
+
+def test_eq20_reaches_as_deep_as_the_estimated_spring_bends() -> None:
+    assert 50.0 * eq20_compliance(5000.0, 1e4) == pytest.approx(0.01)
+
+
+def test_series_compliance_makes_two_springs_carry_the_force() -> None:
+    K_e, K_t, F_r = 4800.0, 5000.0, 50.0
+    x_r = F_r * series_compliance(K_e, K_t)
+    _, F_e = np.linalg.solve([[K_t, -1.0], [K_e, 1.0]], [K_t * x_r, 0.0])
+    assert -F_e == pytest.approx(F_r)
+
+
+@pytest.mark.slow
+def test_eq20_settles_at_its_static_formula() -> None:
+    run = closed_loop({'reference_law': 'eq20'}, experiment='none', duration=8.6)
+    F_r, K_hat, K_e, K_t = 50.0, run.last.stiffness, 4800.0, 5000.0
+    # K_t (x - F_r / K_hat) - F_e = 0 and F_e + K_e x = 0, in (x, F_e) with x_e = 0.
+    _, F_e = np.linalg.solve([[K_t, -1.0], [K_e, 1.0]], [K_t * F_r / K_hat, 0.0])
+    assert run.force_at(8.0, 8.5) == pytest.approx(-F_e, rel=0.01)
+
+
+def test_series_gives_the_wanted_force() -> None:
+    run = closed_loop({'reference_law': 'series'})
+    assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
+
+
+def test_force_tracking_gives_the_wanted_force() -> None:
+    run = closed_loop(
+        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6
+    )
+    assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
+
+
+def test_both_together_are_refused_by_the_parameters() -> None:
+    with pytest.raises(ParameterRangeError, match='reference_law series.*force_tracking'):
+        build(EstimationParameters,
+              {'reference_law': 'series', 'reference.robot_force_tracking': True})
+
 
 T, MOST = 0.002, 0.25
 K = 4800.0
@@ -57,130 +98,16 @@ def test_wanted_force_in_contact_becomes_depth() -> None:
     assert point.position == pytest.approx(sine_force(T * 1999) / K, rel=1e-9)
 
 
-def test_force_is_published_while_a_law_is_active() -> None:
-    of = generator()
-    assert [play(of, 0, 1)[0].force, play(of, 1, 2, contact=False)[0].force] == [50.0, 0.0]
-
-
 @pytest.mark.parametrize('contact, force', [(False, 50.0), (True, nan)])
 def test_x_d_passes_through_without_contact_or_wanted_force(contact: bool, force: float) -> None:
     desired = Desired(0.01, 0.2, 0.3, force)
     assert generator().step(0.0, T, desired, contact, 0.0, K) == (0.01, 0.2, 0.3, 0.0)
 
 
-def test_pass_through_ignores_the_wanted_force() -> None:
-    point = play(generator('pass_through'), 0, 10)[-1]
-    assert point == (0.0204, 0.0, 0.0, 0.0)
-
-
-def test_reference_at_rest_retreats_when_its_depth_is_allowed_no_longer() -> None:
-    of, desired = generator(), Desired(0.01, 0.0, 0.0, nan)
-    resting = [of.step(T * k, T, desired, True, 0.0, K, 0.02) for k in range(3)]
-    assert resting == [(0.01, 0.0, 0.0, 0.0)] * 3
-    assert of.step(3 * T, T, desired, True, 0.0, K, 0.009).position == 0.01 - MOST * T
-    assert of.limited
-
-
 def test_feed_forward_of_a_sine_is_its_first_derivative() -> None:
     points = play(generator(), 0, 2000)[1000:]
     expected = [160.0 * np.cos(20.0 * T * k) / K for k in range(1000, 2000)]
     np.testing.assert_allclose([p.velocity for p in points], expected, atol=0.03 * 160.0 / K)
-
-
-def test_feed_forward_of_a_sine_is_its_second_derivative() -> None:
-    points = play(generator(), 0, 2000)[1000:]
-    expected = [-3200.0 * np.sin(20.0 * T * k) / K for k in range(1000, 2000)]
-    np.testing.assert_allclose([p.acceleration for p in points], expected, atol=0.06 * 3200.0 / K)
-
-
-def test_steps_of_the_force_have_no_feed_forward() -> None:
-    prbs = PseudoRandomBinary(8.0)
-    points = play(generator(), 0, 2000, lambda t: 50.0 + prbs.value(t))[1000:]
-    limited = [a != b for a, b in zip(points, points[1:])]
-    rates = {p.velocity for p, moved in zip(points[1:], limited) if not moved}
-    assert rates == {0.0}
-
-
-def test_published_rate_is_that_of_the_limited_reference() -> None:
-    prbs = PseudoRandomBinary(8.0)
-    points = play(generator(), 0, 2000, lambda t: 50.0 + prbs.value(t))[1000:]
-    differences = np.diff([p.position for p in points]) / T
-    moving = np.abs(differences) > 0.9 * MOST
-    rates = np.array([p.velocity for p in points[1:]])
-    np.testing.assert_allclose(rates[moving], differences[moving], rtol=1e-6)
-
-
-def test_contact_loss_keeps_the_reference_slew_limited() -> None:
-    of = generator()
-    points = play(of, 0, 1000) + play(of, 1000, 1400, contact=False)
-    assert largest_rate(points[500:]) <= MOST * (1.0 + 1e-9)
-
-
-def test_offset_after_contact_loss_fades_out_within_its_time() -> None:
-    of = generator()
-    play(of, 0, 1000)
-    points = play(of, 1000, 1110, contact=False)
-    assert abs(points[90].position - 0.0204) > 1e-6
-    assert points[102].position == 0.0204
-
-
-@pytest.mark.parametrize('law', ['series', 'pass_through'])
-def test_switch_of_the_law_keeps_the_reference_slew_limited(law: str) -> None:
-    of = generator()
-    points = play(of, 0, 1000)
-    of.configure(law, ReferenceParameters())
-    points += play(of, 1000, 1400)
-    assert largest_rate(points[500:]) <= MOST * (1.0 + 1e-9)
-
-
-@pytest.mark.parametrize('K_hat', [600.0, 2400.0, 1e5])
-def test_jump_of_the_estimate_keeps_the_reference_slew_limited(K_hat: float) -> None:
-    of = generator()
-    points = play(of, 0, 1000) + play(of, 1000, 1600, K_hat=K_hat)
-    assert largest_rate(points[500:]) <= MOST * (1.0 + 1e-9)
-
-
-@pytest.mark.parametrize('K_hat', [1e-3, 1.0, 499.0, 500.0])
-def test_law_uses_no_stiffness_below_the_floor(K_hat: float) -> None:
-    point = play(generator(), 0, 3000, lambda t: 10.0, K_hat=K_hat)[-1]
-    assert point.position == pytest.approx(10.0 / 500.0)
-
-
-def test_reference_stays_slew_limited_when_a_large_offset_has_faded() -> None:
-    of = generator()  # 50 N on the softest wall: 0.1 m deep, then contact is lost
-    points = play(of, 0, 1000, lambda t: 50.0, K_hat=500.0)
-    points += play(of, 1000, 2000, contact=False)
-    assert largest_rate(points[900:]) <= MOST * (1.0 + 1e-9)
-
-
-def test_contact_that_comes_and_goes_keeps_the_reference_slew_limited() -> None:
-    of = generator()
-    points = play(of, 0, 500)
-    for k in range(10):
-        points += play(of, 500 + 20 * k, 520 + 20 * k, contact=bool(k % 2))
-    assert largest_rate(points[400:]) <= MOST * (1.0 + 1e-9)
-
-
-def test_change_of_limits_keeps_the_reference_slew_limited() -> None:
-    of = generator()
-    points = play(of, 0, 1000)
-    of.configure('eq20', ReferenceParameters(stiffness_floor=9600.0))
-    points += play(of, 1000, 1400)
-    assert largest_rate(points[500:]) <= MOST * (1.0 + 1e-9)
-
-
-def test_reset_takes_the_next_reference_as_it_comes() -> None:
-    of = generator()
-    play(of, 0, 1000)
-    of.reset()
-    assert play(of, 1000, 1001, contact=False)[0].position == 0.0204
-
-
-def test_double_tracking_is_refused_live_and_changes_nothing() -> None:
-    of, same = generator(), generator()
-    with pytest.raises(ParameterRangeError, match='force_tracking'):
-        of.configure('series', ReferenceParameters(robot_force_tracking=True))
-    assert play(of, 0, 100) == play(same, 0, 100)
 
 
 @pytest.mark.slow
@@ -193,3 +120,27 @@ def test_reference_of_a_closed_loop_run_is_continuous(
     run = closed_loop(estimation, plant)
     points = [r.reference for r in run.results if r.reference is not None]
     assert largest_rate(points) <= MOST * (1.0 + 1e-9)
+
+
+BEGIN, END, DURATION = -0.1, 0.0204, 2.2
+
+
+def test_quintic_solves_the_six_end_conditions() -> None:
+    rows = []
+    for t in (0.0, DURATION):
+        powers = np.polynomial.Polynomial.basis
+        rows += [[powers(k).deriv(d)(t) if d else powers(k)(t) for k in range(6)]
+                 for d in range(3)]
+    expected = np.polynomial.Polynomial(np.linalg.solve(rows, [BEGIN, 0, 0, END, 0, 0]))
+    for t in np.linspace(0.0, DURATION, 23).tolist():
+        values = (expected(t), expected.deriv()(t), expected.deriv(2)(t))
+        np.testing.assert_allclose(quintic(BEGIN, END, DURATION, t), values, atol=1e-12)
+
+
+@pytest.mark.parametrize('order', [1, 2])
+def test_derivatives_are_those_of_finite_differences(order: int) -> None:
+    h = 1e-5
+    for t in np.linspace(0.1, DURATION - 0.1, 20).tolist():
+        before, after = (quintic(BEGIN, END, DURATION, t + s * h) for s in (-1, 1))
+        difference = (after[order - 1] - before[order - 1]) / (2.0 * h)
+        assert quintic(BEGIN, END, DURATION, t)[order] == pytest.approx(difference, abs=1e-8)

@@ -12,18 +12,10 @@ from __future__ import annotations
 from math import inf, isfinite, nan, ulp
 from typing import Any
 
-from contact_estimation.estimators import ESTIMATORS
-from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters.specification import (
-    LARGEST, ParameterSpecification, specifications)
-from contact_estimation.parameters.values import build
-from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import LAWS, limited, ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
 from hypothesis import given, Phase, settings, strategies as st
-import pytest
 
 T, PERIOD_NS = 0.002, 2_000_000
 ANY = st.floats(width=64) | st.sampled_from([nan, inf, -inf, 0.0, 1e308, -1e308, 5e-324])
@@ -65,16 +57,6 @@ def test_the_limits_hold_for_any_target(
     assert_safe(last, limited(last, target, dt, T, speed, deepest), dt, T, speed, deepest)
 
 
-def test_a_target_within_the_limits_is_the_reference() -> None:
-    last, target = Reference(0.0, 0.0, 0.0), Reference(4e-4, 0.2, 1.0, 30.0)
-    assert limited(last, target, T, T, 0.25, 0.01) == target
-
-
-def test_beyond_the_deepest_position_the_reference_retreats() -> None:
-    last, target = Reference(0.05, 0.0, 0.0), Reference(0.06, 0.2, 1.0)
-    assert limited(last, target, T, T, 0.25, 0.01) == (0.05 - 0.25 * T, -0.25, 0.0, 0.0)
-
-
 STEPS = st.lists(st.tuples(
     DESIRED, st.booleans(), HOSTILE, st.floats(1.0, 1e6) | ANY,
     st.floats(0.0, 0.01) | st.sampled_from([T, 10.0, 1e-12]),
@@ -98,91 +80,3 @@ def test_the_generator_is_safe_with_any_estimates_and_setpoints(
         now = generator.step(t, dt, desired, contact, x_e, K_hat, deepest)
         assert_safe(last, now, dt, T, limits.maximum_velocity, deepest)
         last = now
-
-
-def values_of(spec: ParameterSpecification) -> st.SearchStrategy[Any]:
-    """Draw valid values of a parameter, the ends of its range among them."""
-    if spec.choices:
-        return st.sampled_from(spec.choices)
-    if isinstance(spec.default, bool):
-        return st.booleans()
-    low, high = spec.minimum, spec.maximum
-    if isinstance(spec.default, int):
-        return st.integers(int(low or 0), int(high or 50))
-    drawn = st.floats(
-        -LARGEST if low is None else low, LARGEST if high is None else min(high, LARGEST))
-    return drawn | st.just(nan) if spec.nan_is_off else drawn
-
-
-CHANGEABLE = [spec for spec in specifications(EstimationParameters) if not spec.read_only]
-OFTEN = [spec for spec in CHANGEABLE if not spec.name.startswith(('physics.', 'tuning.'))]
-CHANGE = (st.sampled_from(OFTEN) | st.sampled_from(CHANGEABLE)).flatmap(
-    lambda spec: st.tuples(st.just(spec.name), values_of(spec)))
-EVENT = st.tuples(st.just('change'), CHANGE) | st.tuples(
-    st.just('desired'), st.tuples(st.integers(-5, 5), DESIRED)
-) | st.tuples(st.just('sample'), st.tuples(
-    st.sampled_from([1, 1, 1, 2, 500]) | st.integers(-3, 3),
-    st.floats(-0.02, 0.02) | ANY, COMMON | ANY, st.floats(-80.0, 5.0) | ANY,
-)) | st.tuples(st.just('press'), st.tuples(st.integers(1, 60), st.floats(1e-4, 0.02)))
-
-
-class Storm:
-    """A session under hostile events, whose references are checked one by one."""
-
-    def __init__(self, estimator: str) -> None:
-        self.session = ContactSession(build(EstimationParameters, {
-            'estimator': estimator, 'reference.maximum_depth': 0.01, 'force_reference': 30.0}))
-        self._now_ns, self._last_ns, self._jumps = 10**9, 0, 0
-        self._last: Reference | None = None
-
-    def change(self, name: str, value: Any) -> None:
-        """Change a parameter; an inconsistent one is refused."""
-        try:
-            self.session.change_parameters({name: value})
-        except ContactEstimationError:
-            pass
-
-    def desired(self, ahead: int, desired: Desired) -> None:
-        """Add a setpoint."""
-        self.session.add_desired(self._now_ns + ahead * PERIOD_NS, desired)
-
-    def sample(self, periods: int, position: float, velocity: float, force: float) -> None:
-        """Add a pair of measurements, possibly out of order, and check the reference."""
-        self._now_ns += periods * PERIOD_NS
-        self.session.add_motion(self._now_ns, position, velocity)
-        for result in self.session.add_wrench(self._now_ns, force):
-            self._check(result.sample, result.reference)
-
-    def press(self, count: int, depth: float) -> None:
-        """Press into a wall of 3000 N/m for some samples."""
-        for k in range(count):
-            x = depth * (1.0 + 0.3 * ((k % 10) - 5) / 5.0)
-            self.sample(1, x, 0.0, -3000.0 * x)
-
-    def _check(self, sample: Any, reference: Any) -> None:
-        p = self.session.parameters
-        deepest = p.environment.location + p.reference.maximum_depth
-        if self._last is None or self.session.time_jumps != self._jumps:
-            self._jumps = self.session.time_jumps
-            self._last = self._last or Reference(sample.position, 0.0, 0.0)
-            dt = 1.0 / p.sample_rate
-        else:
-            dt = (sample.stamp_ns - self._last_ns) * 1e-9
-        assert_safe(self._last, reference, dt, 1.0 / p.sample_rate,
-                    p.reference.maximum_velocity, deepest)
-        self._last, self._last_ns = reference, sample.stamp_ns
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings('ignore::RuntimeWarning')  # overflow, after such parameters
-@pytest.mark.parametrize('estimator', ESTIMATORS)
-@settings(always_the_same, max_examples=30)
-@given(st.lists(EVENT, min_size=5, max_size=25))
-def test_a_session_is_safe_under_storms_of_samples_setpoints_and_parameters(
-    estimator: str, events: list[Any]
-) -> None:
-    storm = Storm(estimator)
-    storm.press(30, 0.005)
-    for kind, arguments in events:
-        getattr(storm, kind)(*arguments)
-    storm.press(20, 0.005)

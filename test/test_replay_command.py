@@ -16,7 +16,7 @@ from contact_estimation.estimators.estimate import Estimate
 from contact_estimation.messages import JointStateEncoder, WrenchEncoder
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
-from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings import RecordingWriter
 from core_runs import contact_samples
 import pytest
 from run_commands import Command
@@ -76,17 +76,6 @@ def test_csv_has_one_row_per_sample_with_exact_numbers(
         assert status == estimate.status.value
 
 
-def test_nothing_estimated_has_a_reason(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    limited = tmp_path / 'limited.yaml'
-    limited.write_text('estimator_node:\n  ros__parameters:\n'
-                       '    physics: {force_saturation: {limit: 3.0}}\n')
-    done = command(recording, '--params', limited)
-    assert done.code == 1
-    assert 'could be used (' in done.err and 'end of the range of the sensor' in done.err
-
-
 def test_json_has_the_documented_keys(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -118,29 +107,12 @@ def test_mcap_output_is_read_by_rosbags(
     assert all(isnan(vector.y) and isnan(vector.z) for vector in vectors)
 
 
-def test_mcap_output_has_the_topics_of_the_node(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    command(recording, '--output', tmp_path / 'out.mcap')
-    topics = RecordingReader(tmp_path / 'out.mcap').topics()
-    assert {f'/estimator_node/{name}' for name in (*COLUMNS, 'model_fit', 'status')} <= set(topics)
-
-
 def test_existing_mcap_output_is_refused(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
     (tmp_path / 'out.mcap').write_bytes(b'precious')
     assert 'never overwritten' in command.refusal(recording, '--output', tmp_path / 'out.mcap')
     assert (tmp_path / 'out.mcap').read_bytes() == b'precious'
-
-
-@pytest.mark.parametrize('option', ['--csv', '--json', '--output'])
-def test_recording_is_never_overwritten_by_a_result(
-    recording: Path, command: Command, option: str
-) -> None:
-    before = recording.read_bytes()
-    assert 'overwritten' in command.refusal(recording, option, recording)
-    assert recording.read_bytes() == before
 
 
 @pytest.mark.parametrize('name, content', [
@@ -156,54 +128,6 @@ def test_what_may_be_a_recording_is_never_overwritten(
         (tmp_path / name).write_bytes(content)
     assert 'recordings are never' in command.refusal(recording, '--json', tmp_path / name)
     assert not (tmp_path / name).exists() or (tmp_path / name).read_bytes() == content
-
-
-def test_parameter_file_is_never_replaced_by_a_result(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    file = tmp_path / 'p.yaml'
-    file.write_text('estimator_node: {ros__parameters: {estimator: rls}}')
-    line = command.refusal(recording, '--params', file, '--json', file)
-    assert 'it is a parameter file, which would be lost; choose another file' in line
-    assert file.read_text().startswith('estimator_node')
-
-
-def test_two_results_in_one_file_are_refused(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    both = tmp_path / 'both.txt'
-    assert 'two results' in command.refusal(recording, '--csv', both, '--json', both)
-
-
-def test_section_for_an_unknown_node_is_refused(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    parameters = tmp_path / 'parameters.yaml'
-    parameters.write_text('estimater_node: {ros__parameters: {estimator: rls}}')
-    assert "did you mean 'estimator_node'?" in command.refusal(
-        recording, '--params', parameters
-    )
-
-
-@pytest.mark.parametrize('option', ['--csv', '--json', '--output'])
-def test_output_into_a_missing_folder_is_refused_and_leaves_nothing(
-    recording: Path, tmp_path: Path, command: Command, option: str
-) -> None:
-    line = command.refusal(recording, option, tmp_path / 'nowhere' / 'file')
-    assert 'does not exist' in line
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_estimator_and_parameters_can_be_chosen(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    file = tmp_path / 'parameters.yaml'
-    file.write_text(
-        'estimator_node: {ros__parameters: {axis: x, tuning: {rls: {forgetting_factor: 1.0}}}}'
-    )
-    ended = command(recording, '--estimator', 'rls', '--params', file)
-    assert ended.code == 0
-    assert ended.out.startswith(f'rls: {len(SAMPLES)} samples')
 
 
 def test_topics_and_axis_can_be_chosen(tmp_path: Path, command: Command) -> None:
@@ -230,91 +154,12 @@ def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
     assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
 
 
-@pytest.mark.parametrize('size', [0, 1, 8, 9, 60, 200])
-def test_recording_cut_before_the_first_message_is_refused(
-    recording: Path, tmp_path: Path, command: Command, size: int
-) -> None:
-    path = tmp_path / 'cut.mcap'
-    path.write_bytes(recording.read_bytes()[:size])
-    command.refusal(path)
-
-
-def test_recording_cut_anywhere_never_causes_a_traceback(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    path, whole = tmp_path / 'cut.mcap', recording.read_bytes()
-    for size in range(5, len(whole), len(whole) // 40):
-        path.write_bytes(whole[:size])
-        ended = command(path)
-        assert ended.code == 0 or len(ended.err.strip().splitlines()) == 1, size
-
-
-def test_damaged_bytes_within_a_recording_are_skipped(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    path, content = tmp_path / 'damaged.mcap', bytearray(recording.read_bytes())
-    place = int(0.4 * len(content))  # in the second of three chunks
-    content[place:place + 500] = bytes(500)
-    path.write_bytes(content)
-    ended = command(path, '--json', tmp_path / 'a.json')
-    assert ended.code == 0
-    assert 'damaged' in ended.err
-    assert json.loads((tmp_path / 'a.json').read_text())['damaged_chunks'] >= 1
-
-
 def test_missing_topic_is_named_with_the_available_ones(
     tmp_path: Path, command: Command
 ) -> None:
     path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
     line = command.refusal(path)
     assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
-
-
-def test_unknown_joint_is_refused_as_by_diagnose(recording: Path, command: Command) -> None:
-    assert "joint 'elbow' is not in the message" in command.refusal(
-        recording, '--joint', 'elbow')
-
-
-BAD_FILES = {
-    'empty.mcap': b'', 'garbage.mcap': bytes(range(256)) * 20, 'text.mcap': b'hello\n',
-    'zeros.mcap': bytes(10_000),
-}
-
-
-@pytest.mark.parametrize('name', BAD_FILES)
-def test_file_that_is_not_a_recording_is_refused_by_name(
-    tmp_path: Path, command: Command, name: str
-) -> None:
-    (tmp_path / name).write_bytes(BAD_FILES[name])
-    assert name in command.refusal(tmp_path / name)
-
-
-def test_missing_file_is_refused_by_name(tmp_path: Path, command: Command) -> None:
-    assert 'nowhere.mcap' in command.refusal(tmp_path / 'nowhere.mcap')
-
-
-def test_folder_without_recording_is_refused(tmp_path: Path, command: Command) -> None:
-    (tmp_path / 'notes.txt').write_text('none')
-    assert 'notes.txt' in command.refusal(tmp_path)
-
-
-WRONG = [
-    (['--estimator', 'kalmann'], "did you mean 'kalman'"),
-    (['--topic', 'wrench=/a'], 'NAME:=TOPIC'),
-    (['--topic', 'wrench:='], 'NAME:=TOPIC'),
-    (['--topic', 'force:=/a'], 'wrench'),
-    (['--topic', 'wrench:=/nothing'], '/nothing'),
-    (['--axis', 'w'], '--axis'),
-    (['--params', 'nowhere.yaml'], 'nowhere.yaml'),
-    (['--nonsense'], '--nonsense'),
-]
-
-
-@pytest.mark.parametrize('wrong, text', WRONG, ids=[' '.join(w[0]) for w in WRONG])
-def test_wrong_option_is_refused(
-    recording: Path, command: Command, wrong: list[str], text: str
-) -> None:
-    assert text in command.refusal(recording, *wrong)
 
 
 @pytest.mark.parametrize('text, part', [

@@ -1,19 +1,25 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The command replay on several axes: columns, fields and vectors beside those of one axis."""
+"""Replay of several axes, and of topics that a recorder received late."""
 
 from __future__ import annotations
 
+from itertools import chain
 import json
-from math import isnan
+from math import nan
 from pathlib import Path
+from typing import Iterable, Sequence
 
 from axes_runs import feed_axes, instants, JOINTS, LOCATIONS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.messages import Vector3StampedDecoder, WrenchEncoder
+from contact_estimation.messages import JointStateEncoder, Vector3StampedDecoder, WrenchEncoder
+from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
+from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
 import pytest
 from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE
 
@@ -76,18 +82,6 @@ def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> No
     assert vectors == [tuple(e.damping for e in r.estimates) for r in results]
 
 
-def test_axes_can_be_chosen_against_what_was_recorded(recording: Path, tmp_path: Path) -> None:
-    assert run(
-        recording, '--axis', 'z', '--joint', 'contact_z', '--further', 'x:=contact_x',
-        '--csv', tmp_path / 'a.csv', '--output', tmp_path / 'out.mcap',
-    ) == 0
-    header = (tmp_path / 'a.csv').read_text().splitlines()[0]
-    assert 'stiffness_x' in header and 'stiffness_y' not in header
-    decode = Vector3StampedDecoder().decode
-    messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/stiffness'])
-    assert all(isnan(decode(message.data)[2]) for message in messages)
-
-
 @pytest.mark.parametrize('given, text', [
     ('y=contact_y', 'AXIS:=JOINT'), ('y:=', 'AXIS:=JOINT'), ('w:=a', 'unknown axis'),
     ('x:=contact_x', 'x is the contact axis'),
@@ -98,3 +92,76 @@ def test_wrong_further_axis_is_refused(
     assert run(recording, '--further', given) == 1
     lines = capfd.readouterr().err.strip().splitlines()
     assert len(lines) == 1 and text in lines[0]
+
+
+TYPES = {'/wrench': 'geometry_msgs/msg/WrenchStamped',
+         '/joint_states': 'sensor_msgs/msg/JointState'}
+BEGIN_NS, PERIOD_NS = 1_750_000_000_000_000_000, 2_000_000
+TOUCH = [sample._replace(stamp_ns=BEGIN_NS + sample.stamp_ns)
+         for sample in contact_samples(3.0, force_noise=0.5)]
+CHUNK = 200  # messages
+Sent = tuple[int, str, bytes]
+Replayed = dict[str, tuple[list[str], dict[str, int]]]
+
+
+def sent(samples: Sequence[ContactSample]) -> list[Sent]:
+    """Encode samples: number of the sample, topic and message."""
+    wrenches, joints = WrenchEncoder('tool'), JointStateEncoder('tool', 'contact_x', True)
+    return list(chain.from_iterable(
+        [(k, '/joint_states', joints.encode(stamp_ns, x, v)),
+         (k, '/wrench', wrenches.encode(stamp_ns, force, 0.0, 0.0))]
+        for k, (stamp_ns, x, v, force) in enumerate(samples)))
+
+
+def late(messages: Iterable[Sent], topic: str, first: int, until: int) -> list[Sent]:
+    """Let a topic from one sample on not be received before another."""
+    def received(message: Sent) -> int:
+        number = message[0]
+        return max(until, number) if message[1] == topic and number >= first else number
+
+    return sorted(messages, key=received)
+
+
+def replayed(path: Path, messages: Iterable[Sent]) -> tuple[list[str], dict[str, int]]:
+    """Record messages in this order and replay them; return estimates and rejections."""
+    with RecordingWriter.file(path) as writer:
+        for k, (_, topic, raw) in enumerate(messages):
+            writer.write(topic, TYPES[topic], raw, BEGIN_NS + k * PERIOD_NS // 2)
+            if k % CHUNK == CHUNK - 1:
+                writer.flush()
+    replay = RecordingReplay(RecordingReader(path), RecordingSource(), {})
+    estimates = [repr(axes) for batch in replay.estimates() for axes in batch]
+    return estimates, dict(replay.session.rejected)
+
+
+IN_TIME = sent(TOUCH)
+BAD = sent([sample._replace(force=nan) if k % 400 == 300 else sample
+            for k, sample in enumerate(TOUCH)])
+BACK = sent([*TOUCH, *(sample._replace(stamp_ns=sample.stamp_ns - PERIOD_NS // 2)
+                       for sample in TOUCH)])
+
+LIES = (lambda ns: 0, lambda ns: ns + 6 * 10**8, lambda ns: ns - 3 * 10**9)
+FALSE = sent([sample._replace(stamp_ns=LIES[k % 3](sample.stamp_ns)) if k % 100 == 50 else sample
+              for k, sample in enumerate(TOUCH)])
+
+
+KINDS = {'regular': IN_TIME, 'with NaN': BAD, 'set back': BACK, 'false stamps': FALSE}
+
+
+@pytest.fixture(scope='module')
+def in_time(tmp_path_factory: pytest.TempPathFactory) -> Replayed:
+    """Replay each kind of recording without a late topic."""
+    folder = tmp_path_factory.mktemp('in_time')
+    return {kind: replayed(folder / f'{kind}.mcap', messages) for kind, messages in KINDS.items()}
+
+
+@pytest.mark.parametrize('topic', TYPES)
+@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('span', ((0, 110), (310, 380)))
+def test_replay_is_that_of_the_topic_in_time(
+    in_time: Replayed, tmp_path: Path, topic: str, kind: str, span: tuple[int, int]
+) -> None:
+    delayed = late(KINDS[kind], topic, *span)
+    assert delayed != KINDS[kind]
+    assert replayed(tmp_path / 'a.mcap', delayed) == in_time[kind]
+    assert len(in_time[kind][0]) > 1700 and not in_time[kind][1].get('joint_missing')

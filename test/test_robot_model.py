@@ -1,21 +1,24 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Pose and Jacobian of an arm against hand-written transforms and finite differences."""
+"""Pose, Jacobian, joints and tool load of an arm against hand-written forms."""
 
 from __future__ import annotations
 
+from math import nan
 import sys
 
 from contact_estimation.exceptions import MissingPackageError, ModelFileError, UnknownNameError
+from contact_estimation.kinematics.joint_kinds import turning_joint
 from contact_estimation.kinematics.robot_model import RobotModel
+from contact_estimation.kinematics.tool_load import STANDARD_GRAVITY, tool_wrench, ToolParameters
+from contact_estimation.signals.joint_merging import JointMerger
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from small_arm import JOINTS, pose, urdf
 
 Q = (0.3, -0.4, 2.7)
-Q_DOT = np.array([0.5, -1.1, 0.7])
 
 
 @pytest.fixture(scope='module')
@@ -46,22 +49,10 @@ def test_jacobian_is_the_derivative_of_the_pose(model: RobotModel) -> None:
     np.testing.assert_allclose(model.jacobian(Q), np.array(columns).T, atol=1e-9)
 
 
-def test_velocity_is_the_jacobian_times_the_joint_rates(model: RobotModel) -> None:
-    R, p, p_dot, omega = model.velocity(Q, Q_DOT)
-    np.testing.assert_allclose(np.r_[p_dot, omega], model.jacobian(Q) @ Q_DOT, atol=1e-12)
-    np.testing.assert_allclose(np.c_[R, p], pose(Q)[:3], atol=1e-12)
-
-
 def test_only_the_joints_between_base_and_tip_are_asked_for(model: RobotModel) -> None:
     assert model.joint_names == JOINTS
     assert model.continuous == (False, True, False)
     assert RobotModel(urdf(), 'link_1', 'tool').joint_names == JOINTS[1:]
-
-
-def test_a_base_that_joints_carry_is_allowed(model: RobotModel) -> None:
-    R, _ = RobotModel(urdf(), 'link_1', 'sensor').pose(Q[1:])
-    assert np.allclose(R, pose((0.0, *Q[1:]), 'sensor', 'link_1')[:3, :3], atol=1e-12)
-    assert Rotation.from_matrix(R).magnitude() > 0.1
 
 
 @pytest.mark.parametrize('base, tip, text', [
@@ -75,11 +66,6 @@ def test_frames_that_cannot_serve_are_named(base: str, tip: str, text: str) -> N
         RobotModel(urdf(), base, tip)
 
 
-def test_a_frame_that_unknown_joints_move_is_an_error(model: RobotModel) -> None:
-    with pytest.raises(ModelFileError, match="'finger' is moved by finger_joint"):
-        model.pose(Q, 'finger')
-
-
 def test_a_text_that_is_no_description_is_an_error() -> None:
     pytest.importorskip('pinocchio')
     with pytest.raises(ModelFileError, match='must be a URDF'):
@@ -90,3 +76,70 @@ def test_a_missing_library_says_how_to_install_it(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setitem(sys.modules, 'pinocchio', None)
     with pytest.raises(MissingPackageError, match=r'contact_estimation\[robots\].*ros-jazzy-pin'):
         RobotModel(urdf(), 'base_link', 'tool')
+
+
+ONE = '<robot name="r"><joint name="mount" type="fixed"/><joint name="only" type="{}"/></robot>'
+
+
+@pytest.mark.parametrize('names, found', [
+    (['elbow'], 'elbow'), (['finger_joint', 'wrist'], 'wrist'), (['finger_joint'], ''),
+    (['mount'], ''), (['unknown'], ''), ([''], '')])
+def test_a_joint_turns_or_slides_as_described(names: list[str], found: str) -> None:
+    assert turning_joint(urdf(), names) == found
+
+
+@pytest.mark.parametrize('kind, found', [
+    ('revolute', 'only'), ('continuous', 'only'), ('prismatic', '')])
+def test_an_unnamed_joint_is_the_only_one_that_moves(kind: str, found: str) -> None:
+    assert turning_joint(ONE.format(kind), ['']) == found
+
+
+def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
+    merger = JointMerger([False, False])
+    merger.add(10, (1.0, nan), (0.0, nan))
+    merger.add(11, (nan, 2.0), (nan, 0.0))  # the first source has no value at 11 yet
+    first = merger.add(14, (3.0, nan), (4.0, nan))
+    second = merger.add(12, (nan, 2.5), (nan, 0.0))
+    assert first is not None and second is not None
+    assert (first[0], second[0]) == (11, 12)
+    assert first[1] == pytest.approx([1.5, 2.0, 1.0, 0.0])
+    assert second[1] == pytest.approx([2.0, 2.5, 2.0, 0.0])
+
+
+TOOL = ToolParameters(
+    mass=1.2, centre=(0.01, -0.02, 0.06), force_bias=(1.0, -2.0, 3.0),
+    torque_bias=(0.1, 0.2, -0.3),
+)
+w0, w1 = np.array([0.5, -1.0, 2.0]), np.array([-3.0, 1.5, 0.7])
+
+
+def orientation(t: float) -> Rotation:
+    """Return an accelerating rotation."""
+    return Rotation.from_rotvec(w0 * t) * Rotation.from_rotvec(w1 * t * t)
+
+
+def origin(t: float) -> np.ndarray:
+    """Return an accelerating position of the sensor [m]."""
+    return np.array([np.sin(3 * t), t**3, np.cos(2 * t)])
+
+
+def second_difference(function: object, t: float, h: float = 1e-3) -> np.ndarray:
+    """Return the second derivative by central differences of fourth order."""
+    weights = zip((-2, -1, 0, 1, 2), (-1, 16, -30, 16, -1))
+    return sum(k * function(t + i * h) for i, k in weights) / (12 * h * h)  # type: ignore
+
+
+def angular_velocity(t: float, h: float = 1e-4) -> np.ndarray:
+    """Return the angular velocity in the moving frame by central differences [rad/s]."""
+    return (orientation(t - h).inv() * orientation(t + h)).as_rotvec() / (2 * h)
+
+
+def test_force_in_any_motion_is_that_of_a_point_mass_at_the_centre() -> None:
+    t, R = 0.4, orientation(0.4).as_matrix()
+    centre_acceleration = second_difference(
+        lambda s: origin(s) + orientation(s).apply(TOOL.centre), t)
+    gravity = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    expected = R.T @ (TOOL.mass * (gravity - centre_acceleration)) + TOOL.force_bias
+    alpha = (angular_velocity(t + 1e-4) - angular_velocity(t - 1e-4)) / 2e-4
+    wrench = tool_wrench(TOOL, R, second_difference(origin, t), angular_velocity(t), alpha)
+    np.testing.assert_allclose(wrench[:3], expected, atol=1e-5)

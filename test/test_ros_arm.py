@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-import signal
 from typing import Any, Iterator
 
 from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
@@ -17,17 +16,9 @@ from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
 from ros_listener import Listener
-from ros_messages import (
-    DiagnosticArray,
-    DiagnosticStatus,
-    JointState,
-    String,
-    to_stamp,
-    Vector3Stamped,
-    WrenchStamped,
-)
-from ros_peer import ESTIMATES, Peer, WINDOW
-from ros_processes import node_process, run_module
+from ros_messages import JointState, String, to_stamp, Vector3Stamped, WrenchStamped
+from ros_peer import ESTIMATES, WINDOW
+from ros_processes import node_process
 from small_arm import JOINTS, pose, urdf
 
 pytest.importorskip('pinocchio')
@@ -126,22 +117,6 @@ def run(folder: Path) -> Iterator[tuple[ArmPeer, int]]:
             peer.close()
 
 
-# The first test: later ones share a peer that publishes a description.
-def test_an_arm_without_description_says_on_which_topic_it_waits(tmp_path: Path) -> None:
-    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
-    waiting = 'waiting for the robot description on /robot_description'
-    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **named) as node:
-        peer = Peer()
-        try:
-            peer.diagnosed(
-                lambda status, _: status.level == DiagnosticStatus.ERROR
-                and status.message.startswith(waiting), 'the missing description')
-        finally:
-            peer.close()
-        node.signal(signal.SIGINT)
-        assert f'{waiting}\n' in node.end().stderr
-
-
 def test_stiffness_and_damping_of_the_wall_are_found(run: tuple[ArmPeer, int]) -> None:
     peer, begin_ns = run
     last_ns = begin_ns + instants()[-1].contact.stamp_ns
@@ -187,25 +162,3 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
     first = min(published)  # the node may know the peer's wrenches before the peer hears it
     assert {stamp: x for stamp, x in again.items() if stamp >= first} == published
-
-
-# After all that replays the recording: the node goes on with the description it started with.
-def test_another_description_while_running_is_a_warning(run: tuple[ArmPeer, int]) -> None:
-    peer, _ = run
-    peer.listen('diagnostics', DiagnosticArray, '/diagnostics')
-
-    def told() -> bool:
-        return any('has changed and is not used; start the node again' in pair.value
-                   for message in peer.heard['diagnostics'].values()
-                   for status in message.status for pair in status.values)
-
-    peer.description.publish(String(data=urdf().replace('small_arm', 'large_arm')))
-    peer.spin_until(told, 'the warning')
-
-
-def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:
-    done = run_module(
-        tmp_path, f'ros.{NODE}', '--ros-args', '-p', 'publish_target_pose:=true')
-    assert done.code == 1
-    assert 'publish_target_pose needs the pose of an arm' in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1

@@ -104,14 +104,6 @@ def test_margin_of_the_present_gains_is_published_and_warned_of(peer: Peer) -> N
                                 for value in peer.figures().values()), 'the warning')
 
 
-def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:
-    samples = moved(TOUCH, peer.begin_ns)
-    peer.feed(samples)
-    assert list(peer.references) == [sample.stamp_ns + PERIOD_NS for sample in samples]
-    shapes = {(*m.joint_names, len(m.points)) for m in peer.references.values()}
-    assert shapes == {('contact_axis', 1)}
-
-
 def feed_in_time(peer: Peer, samples: list[ContactSample]) -> None:
     """Feed one after the other: x_r goes on from test to test, and in bursts it moves less."""
     peer.feed(samples[:CONFIRMING])
@@ -127,16 +119,6 @@ def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
     point = peer.references[samples[20].stamp_ns + PERIOD_NS].points[0]
     numbers = [point.positions, point.velocities, point.accelerations, point.effort]
     assert [list(n) for n in numbers] == [[0.125], [0.5], [-2.0], [0.0]]
-
-
-def test_desired_trajectory_that_nobody_renews_is_a_place_to_rest_at(peer: Peer) -> None:
-    peer.change(reference__maximum_velocity=1e3, reference__fade_s=1e-3)
-    samples = moved(FREE, peer.begin_ns)
-    peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
-    feed_in_time(peer, samples)
-    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
-    numbers = [point.positions, point.velocities, point.accelerations]
-    assert [list(n) for n in numbers] == [[0.125], [0.0], [0.0]]
 
 
 @pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])
@@ -155,15 +137,6 @@ def test_force_law_holds_in_contact_with_effort(
     assert list(point.effort) == [30.0]
 
 
-def test_pass_through_follows_the_desired_trajectory_in_contact(peer: Peer) -> None:
-    peer.change(reference_law='pass_through')
-    samples = moved(TOUCH, peer.begin_ns)
-    peer.wish(peer.begin_ns, 0.02, 30.0)
-    peer.feed(samples)
-    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
-    assert (point.positions[0], point.effort[0]) == (0.02, 0.0)
-
-
 def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
     peer: Peer,
 ) -> None:
@@ -179,26 +152,8 @@ def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
     assert stiffness[stamps[-1]] == pytest.approx(K_E, rel=0.02)
 
 
-def test_reset_goes_back_to_the_first_guess(peer: Peer) -> None:
-    samples = moved(LONG, peer.begin_ns)
-    peer.feed(samples[:600])
-    assert peer.values('stiffness')[samples[599].stamp_ns] > 3500.0
-    answer = peer.trigger('reset')
-    peer.feed(samples[600:601])
-    assert answer.success and 'initial values' in answer.message
-    assert peer.values('stiffness')[samples[600].stamp_ns] == 3000.0
-
-
 def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:
     peer.feed(moved(TOUCH, peer.begin_ns))
     answer = peer.trigger('tare')
     assert not answer.success
     assert answer.message.startswith('in contact')
-
-
-def test_tare_without_samples_is_refused(peer: Peer) -> None:
-    samples = moved(FREE, peer.begin_ns)
-    peer.feed(samples[:5])
-    answer = peer.trigger('tare')
-    assert not answer.success
-    assert 'less than 0.5 s' in answer.message

@@ -1,10 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Two publishers of a measurement and two nodes of one name are told, from the graph of ROS."""
+"""Publishers, nodes and signals: what a node says of its surroundings and its end."""
 
 from __future__ import annotations
 
+from pathlib import Path
+import subprocess
+import sys
 from typing import Iterator
 
 from contact_estimation.pipeline.checks.stream_checks import graph_warnings
@@ -13,6 +16,7 @@ import rclpy
 from ros_listener import DEEP_QOS
 from ros_messages import DiagnosticStatus, JointState, WrenchStamped
 from ros_peer import estimator_and_peer, Peer
+from ros_processes import environment
 
 
 @pytest.fixture(scope='module')
@@ -47,3 +51,71 @@ def test_a_second_node_of_the_same_name_is_told(peer: Peer) -> None:
                    and status.level != DiagnosticStatus.OK, 'two nodes')
     second.destroy_node()
     peer.diagnosed(lambda status, values: 'nodes are called' not in str(values), 'one node')
+
+
+NODE = """
+import os, signal, sys
+from contact_estimation.ros.running import run_node
+from rclpy.node import Node
+from std_msgs.msg import String
+
+class Interrupted(Node):
+    finished = False
+
+    def __init__(self):
+        super().__init__('interrupted')
+        self.publisher = self.create_publisher(String, 'word', 1)
+
+    def start(self):
+        os.kill(os.getpid(), signal.{name})
+
+    def stop(self):
+        self.publisher.publish(String(data='last'))
+        print('stopped')
+
+sys.exit(run_node(Interrupted, 'a node', [], []))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', ['SIGINT', 'SIGTERM'])
+def test_interrupted_node_can_publish_until_it_has_stopped(tmp_path: Path, name: str) -> None:
+    finished = subprocess.run(
+        [sys.executable, '-c', NODE.replace('{name}', name)],
+        env=environment(tmp_path), capture_output=True, text=True,
+    )
+    assert (finished.returncode, finished.stdout, finished.stderr) == (0, 'stopped\n', '')
+
+
+# Interrupts itself when a module is imported.
+INTERRUPTED = """
+import os, signal, sys
+def hook(event, facts):
+    if event == 'import' and facts[0] == sys.argv[1]:
+        os.kill(os.getpid(), signal.SIGINT)
+from contact_estimation.ros import executables
+sys.addaudithook(hook)
+raise SystemExit(executables.estimator_node([]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('module', ['rclpy.node', 'std_srvs.srv', 'numpy'])
+def test_interrupt_while_a_node_imports_ends_it_without_a_word(
+    tmp_path: Path, module: str
+) -> None:
+    run = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED, module], env=environment(tmp_path),
+        capture_output=True, text=True, timeout=120.0)
+    assert (run.returncode, run.stdout, run.stderr) == (0, '', '')
+
+
+@pytest.mark.slow
+def test_interrupt_while_a_command_imports_is_one_line(tmp_path: Path) -> None:
+    code = INTERRUPTED.replace('contact_estimation.ros import executables',
+                               'contact_estimation.commands import entry_points')
+    code = code.replace('executables.estimator_node([])', 'entry_points.replay()')
+    run = subprocess.run(
+        [sys.executable, '-c', code, 'numpy'], env=environment(tmp_path), capture_output=True,
+        text=True, timeout=120.0)
+    assert (run.returncode, run.stdout, run.stderr) == (1, '', 'replay: interrupted\n')

@@ -12,19 +12,15 @@ from typing import Any, Iterator
 from core_runs import contact_samples
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from ros_listener import Listener
-from ros_messages import DiagnosticArray, DiagnosticStatus, joint_state, moved, String, wrench
+from ros_messages import DiagnosticStatus, joint_state, moved, String, wrench
 from ros_peer import Peer
-from ros_processes import ModuleProcess, node_process, wait_until
-from small_arm import urdf
+from ros_processes import node_process
 
 pytestmark = pytest.mark.slow
 
 FAR = [sample._replace(position=sample.position + 0.05) for sample in contact_samples(1.0)]
 SAID = 'mm inside the wall; set environment.location to'
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NAMES = ('--ros-args', '-r', '__ns:=/left', '-r', '__node:=stiffness', '-p',
-         'diagnostics_rate:=10.0')
 
 
 @pytest.fixture
@@ -57,63 +53,6 @@ def test_far_wall_is_a_warning_in_log_and_diagnostics_until_set_location(
     assert '[INFO]' in log and 'force from /wrench, motion from /joint_states' in log
     assert '[WARN]' in log and SAID in log
     assert 'changed environment.location' in log
-
-
-def test_node_of_another_name_and_namespace_reads_the_shipped_file(tmp_path: Path) -> None:
-    source = Path(__file__).resolve().parent.parent / 'config' / 'estimator_node.yaml'
-    file = tmp_path / 'estimator.yaml'
-    file.write_text(source.read_text().replace('estimator: multiple_model', 'estimator: kalman'))
-    listener = Listener()
-    listener.listen('diagnostics', DiagnosticArray, '/diagnostics')
-    arguments = ('estimator_node', *NAMES, '--params-file', str(file), '-p', 'hardware_id:=ft300')
-    with ModuleProcess(tmp_path / 'log', 'ros.executables', *arguments):
-        heard = listener.heard['diagnostics']
-        listener.spin_until(lambda: heard, 'a report')
-        status = list(heard.values())[-1].status[0]
-        wait_until(lambda: 'estimator kalman' in (tmp_path / 'log/stderr.txt').read_text(),
-                   'the log')
-    listener.close()
-    assert status.name == '/left/stiffness: contact estimation'
-    assert status.hardware_id == 'ft300'
-    assert status.level == DiagnosticStatus.ERROR  # nothing comes
-
-
-def test_without_a_frame_the_hardware_is_the_topic_of_the_wrench(tmp_path: Path) -> None:
-    listener = Listener()
-    listener.listen('diagnostics', DiagnosticArray, '/diagnostics')
-    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node', *NAMES):
-        heard = listener.heard['diagnostics']
-        listener.spin_until(lambda: heard, 'a report')
-    listener.close()
-    assert list(heard.values())[-1].status[0].hardware_id == '/left/wrench'
-
-
-def test_a_joint_that_turns_is_no_axis_in_metres_says_the_description(
-    tmp_path: Path, peer: Peer
-) -> None:
-    with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, joint='elbow'):
-        publisher = peer.node.create_publisher(String, 'robot_description', LATCHED)
-        publisher.publish(String(data=urdf()))
-        stamps = iter(range(10**15, 2 * 10**15, 2_000_000))
-
-        def told() -> bool:
-            peer.wrenches.publish(wrench(next(stamps), 0.0))
-            return any(status.level == DiagnosticStatus.WARN
-                       and status.message.startswith("joint 'elbow' turns")
-                       for message in peer.heard['diagnostics'].values()
-                       for status in message.status)
-
-        peer.spin_until(told, 'a headline with the joint')
-
-
-def test_quality_of_service_can_be_overridden(tmp_path: Path, peer: Peer) -> None:
-    name = 'qos_overrides./wrench.subscription.reliability'
-    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node', '--ros-args', '-p',
-                       f'{name}:=reliable'):
-        peer.spin_until(
-            lambda: [info.qos_profile.reliability.name
-                     for info in peer.node.get_subscriptions_info_by_topic('/wrench')]
-            == ['RELIABLE'], 'a reliable subscription')
 
 
 MISFITS: list[tuple[str, dict[str, Any], Any, Any]] = [

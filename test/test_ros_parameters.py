@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import isfinite, isnan, nan
 from typing import Any, Iterator
 
-from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.parameters.specification import ParameterSpecification, specifications
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
@@ -104,11 +103,6 @@ def test_ranges_are_in_the_descriptors(peer: Peer) -> None:
         assert len(ranges) == (0 if descriptor.name in OFF else 1), descriptor.name
 
 
-def test_every_parameter_starts_with_its_default(peer: Peer) -> None:
-    values = peer.get([spec.name for spec in SPECIFICATIONS])
-    assert {n: v for n, v in values.items() if not same(v, DEFAULTS[n])} == {}
-
-
 def test_every_changeable_parameter_takes_another_value(peer: Peer) -> None:
     for spec in CHANGEABLE:
         if group_of(spec.name) in TOGETHER:
@@ -150,50 +144,6 @@ def test_values_out_of_range_are_refused_by_name(
     for name, result in zip(values, peer.set(values)):
         assert not result.successful, name
         assert name in result.reason
-
-
-def test_not_a_number_is_refused_where_it_does_not_mean_off(peer: Peer) -> None:
-    numbers = {
-        spec.name: nan for spec in CHANGEABLE
-        if isinstance(spec.default, float) and not spec.nan_is_off
-    }
-    for name, result in zip(numbers, peer.set(numbers)):
-        assert not result.successful, name
-        assert name in result.reason
-
-
-def test_wrong_type_is_refused(peer: Peer) -> None:
-    result = peer.set({'force_reference': 'much'})[0]
-    assert not result.successful
-    assert 'DOUBLE' in result.reason
-
-
-def test_unknown_estimator_is_refused_with_the_known_names(peer: Peer) -> None:
-    result = peer.set({'estimator': 'kalmann'})[0]
-    assert not result.successful
-    assert "did you mean 'kalman'" in result.reason
-    assert all(name in result.reason for name in ESTIMATORS)
-
-
-def test_series_on_a_robot_that_tracks_force_is_refused(peer: Peer) -> None:
-    peer.change(reference__robot_force_tracking=True)
-    result = peer.set({'reference_law': 'series'})[0]
-    assert not result.successful
-    assert 'force_tracking' in result.reason
-    assert peer.get(['reference_law']) == {'reference_law': 'eq20'}
-
-
-def test_force_tracking_under_series_is_refused(peer: Peer) -> None:
-    peer.change(reference_law='series')
-    result = peer.set({'reference.robot_force_tracking': True})[0]
-    assert not result.successful
-    assert 'series' in result.reason
-
-
-def test_cutoff_above_half_of_the_sample_rate_is_refused(peer: Peer) -> None:
-    result = peer.set({'conditioning.cutoff_frequency': 250.0})[0]
-    assert not result.successful
-    assert 'conditioning.cutoff_frequency' in result.reason
 
 
 def test_refused_change_leaves_the_estimation_as_it_was(peer: Peer) -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-import time
 from typing import Any, Iterator, NamedTuple
 
 import pytest
@@ -111,16 +110,6 @@ def test_samples_are_stamped_exactly_with_the_period(run: NoisyRun) -> None:
     assert list(run.heard['wishes']) == [stamp + PERIOD_NS for stamp in stamps]
 
 
-def test_summary_counts_what_was_sent_and_never_answered(run: NoisyRun) -> None:
-    assert (run.summary['samples_sent'], run.summary['samples_lost']) == (100, 100)
-    assert run.summary['last_contact_stamp_ns'] is None
-
-
-def test_joint_is_named_and_wrench_framed_as_configured(run: NoisyRun) -> None:
-    assert {(*m.name, *m.position) for m in run.heard['joints'].values()} == {('slider', START)}
-    assert {m.header.frame_id for m in run.heard['wrench'].values()} == {'probe'}
-
-
 @pytest.mark.parametrize('seed, same', [(7, True), (8, False)])
 def test_noise_is_that_of_the_seed(
     run: NoisyRun, tmp_path: Path, seed: int, same: bool
@@ -140,73 +129,6 @@ def test_reference_is_followed_from_its_stamp_on_and_not_before(
     positions = user.positions()
     assert {x for stamp, x in positions.items() if stamp <= later} == {START}
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
-
-
-def test_robot_stops_when_its_references_end(tmp_path: Path, user: RobotUser, still: str) -> None:
-    with node_process(tmp_path, 'plant_node', experiment=still, repeat=True):
-        later = user.soon()
-        user.follow.publish(trajectory(later, -0.09, 0.0, velocity=0.1))
-        user.hear_until(later + 700 * PERIOD_NS)
-    # 0.1 m/s for the 0.1 s after which a reference is stale, and a sample to notice.
-    assert list(user.positions().values())[-1] == pytest.approx(-0.08, abs=1e-3)
-
-
-def test_plant_in_lockstep_is_as_slow_as_the_answers(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    file = tmp_path / 'summary.json'
-    with node_process(tmp_path, 'plant_node', experiment=still, duration=0.02, lockstep=True,
-                      summary_file=file) as process:
-        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
-        for count in range(1, 11):
-            user.spin_until(lambda: len(user.heard['wrench']) >= count, f'{count} samples')
-            time.sleep(10 * PERIOD_NS * 1e-9)  # a slow machine
-            last = list(user.heard['wrench'])[count - 1]
-            user.follow.publish(trajectory(last + PERIOD_NS, START, 0.0))
-        user.hear_to_the_end(process, 10)
-    summary = json.loads(file.read_text())
-    assert (summary['samples_sent'], summary['samples_lost']) == (10, 0)
-    assert summary['rate_hz'] < 50.0
-
-
-def test_force_in_the_effort_presses_a_robot_that_tracks_force(
-    tmp_path: Path, user: RobotUser
-) -> None:
-    touching = tmp_path / 'touching.yaml'
-    touching.write_text('start: 0.0\nsegments: [{duration: 9.0, position: 0.0}]\n')
-    with node_process(
-        tmp_path, 'plant_node', experiment=touching, repeat=True, robot__force_tracking=True
-    ):
-        later = user.soon()
-        user.follow.publish(trajectory(later, 0.0, 49.0))
-        user.hear_until(later + 1000 * PERIOD_NS)
-    # K_t x = F_r - K_e x: the wall takes K_e / (K_e + K_t) of the force.
-    assert user.forces()[-1] == pytest.approx(-49.0 * 4800.0 / 9800.0, rel=0.01)
-
-
-def test_plant_waits_for_the_subscribers_it_is_told_of(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=2
-    ) as process:
-        user.spin_until(lambda: user.node.count_publishers('wrench'), 'the plant')
-        assert not user.heard['wrench']
-        late = RobotUser()
-        late.hear_to_the_end(process, 50)
-        user.spin_until(lambda: len(user.heard['wrench']) == 50, 'all samples')
-    assert list(late.heard['wrench']) == list(user.heard['wrench'])
-    late.close()
-
-
-def test_plant_starts_alone_when_its_patience_is_over(tmp_path: Path, still: str) -> None:
-    file = tmp_path / 'summary.json'
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=9, patience_s=0.0,
-        summary_file=file,
-    ) as process:
-        assert process.end().code == 0
-    assert json.loads(file.read_text())['samples_sent'] == 50
 
 
 def test_interrupt_ends_the_plant_and_keeps_its_summary(

@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy as Reliability
 from ros_listener import Listener
 from ros_messages import wrench, WrenchStamped
 from ros_peer import estimator_and_peer, PERIOD_NS, WINDOW
-from ros_processes import node_process, parameter_arguments, run_module, wait_until
+from ros_processes import node_process, wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -78,68 +78,6 @@ def test_killed_recorder_leaves_all_that_was_flushed(tmp_path: Path) -> None:
     flushed = {number * PERIOD_NS for number in range(first, last + 1)}
     assert flushed <= recorded_stamps(folder)
     assert RecordingReader(folder).truncated
-
-
-def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
-    folder, reliable = tmp_path / 'recording', Sensor()
-    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
-        reliable.measure_until_recorded(folder)
-
-        def subscribed() -> list[Reliability]:
-            """Return how the recorder subscribes to wrenches."""
-            offers = reliable.node.get_subscriptions_info_by_topic('/wrench')
-            return [offer.qos_profile.reliability for offer in offers]
-
-        assert subscribed() == [Reliability.RELIABLE]
-        other = Sensor(Reliability.BEST_EFFORT, 1000)
-        other.measure_until_recorded(folder, 1001)
-        assert subscribed() == [Reliability.BEST_EFFORT]
-        after = reliable.number + 2000  # beyond the numbers of the other
-        reliable.number = after
-        reliable.measure_until_recorded(folder, after + 1)
-        process.signal(signal.SIGINT)
-        assert process.end().code == 0
-    reliable.close()
-    other.close()
-
-
-def test_recorder_records_before_a_simulated_clock_begins(tmp_path: Path) -> None:
-    folder, sensor = tmp_path / 'recording', Sensor()
-    with node_process(
-        tmp_path / 'recorder', 'recorder_node', use_sim_time=True, output=folder
-    ) as process:
-        sensor.measure_until_recorded(folder)
-        process.signal(signal.SIGINT)
-        assert process.end().code == 0
-    sensor.close()
-
-
-def test_interrupted_recorder_leaves_a_whole_rosbag2_folder(tmp_path: Path) -> None:
-    rosbags = pytest.importorskip('rosbags.highlevel')
-    folder, sensor = tmp_path / 'recording', Sensor()
-    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
-        sensor.measure_until_recorded(folder)
-        process.signal(signal.SIGINT)
-        finished = process.end()
-    sensor.close()
-    assert (finished.code, finished.stderr) == (0, '')
-    assert not RecordingReader(folder).truncated
-    with rosbags.AnyReader([folder]) as reader:
-        types = {c.topic: c.msgtype for c in reader.connections}
-        assert types['/wrench'] == 'geometry_msgs/msg/WrenchStamped'
-        assert sum(1 for _ in reader.messages()) >= len(recorded_stamps(folder)) > 0
-
-
-def test_existing_output_folder_is_refused(tmp_path: Path) -> None:
-    folder = tmp_path / 'recording'
-    folder.mkdir()
-    (folder / 'precious.txt').write_text('mine')
-    finished = run_module(
-        tmp_path / 'log', 'ros.recorder_node', *parameter_arguments({'output': folder})
-    )
-    assert (finished.code, len(finished.stderr.strip().splitlines())) == (1, 1)
-    assert 'never overwritten' in finished.stderr
-    assert [path.name for path in folder.iterdir()] == ['precious.txt']
 
 
 def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path) -> None:

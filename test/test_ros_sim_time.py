@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Latency where the time is that of a simulation: by the clock of the node, from /clock."""
+"""Simulated time, and what only a fresh node of its own can show."""
 
 from __future__ import annotations
 
@@ -9,22 +9,19 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
 import pytest
 from ros_listener import Listener
 from ros_messages import (
-    DiagnosticArray,
-    joint_state,
-    stamp_of,
-    to_stamp,
-    Vector3Stamped,
-    wrench,
+    DiagnosticArray, JOINT, joint_state, moved, stamp_of, to_stamp, Vector3Stamped, wrench,
     WrenchStamped,
 )
+from ros_peer import estimator_and_peer, PERIOD_NS
 from ros_processes import node_process
 from sensor_msgs.msg import JointState
 
 clock_messages = pytest.importorskip('rosgraph_msgs.msg')
-pytestmark = pytest.mark.slow
 
 STEP_NS, LATE_NS = 100_000_000, 7_000_000
 
@@ -75,6 +72,7 @@ class Simulator(Listener):
         self.spin_until(answered, f'the estimate at {stamp_ns}')
 
 
+@pytest.mark.slow
 def test_latency_is_that_of_the_simulated_clock(tmp_path: Path) -> None:
     with node_process(tmp_path, 'estimator_node', use_sim_time=True, diagnostics_rate=10.0):
         simulator = Simulator()
@@ -89,3 +87,41 @@ def test_latency_is_that_of_the_simulated_clock(tmp_path: Path) -> None:
             simulator.close()
     assert {name: values[f'latency_ms_{name}'] for name in ('p50', 'p99', 'max')} == {
         'p50': '7.000', 'p99': '7.000', 'max': '7.000'}
+
+
+K_E = 4800.0
+LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)
+
+
+@pytest.mark.slow
+def test_without_desired_trajectory_the_robot_rests_and_presses_with_force_reference(
+    tmp_path: Path,
+) -> None:
+    for peer in estimator_and_peer(tmp_path, False, force_reference=20.0, joint=JOINT):
+        begin_ns = peer.start_afresh()
+        samples = moved(LONG, begin_ns)
+        peer.feed(samples)
+        positions = list(peer.reference_positions().values())
+        assert positions[:80] == [-0.01] * 80
+        K_hat = peer.values('stiffness')[samples[-1].stamp_ns]
+        assert positions[-1] == pytest.approx(20.0 / K_hat, abs=5e-6)  # from the surface found
+        last = peer.references[samples[-1].stamp_ns + PERIOD_NS]
+        assert (last.joint_names, list(last.points[0].effort)) == ([JOINT], [20.0])
+
+
+@pytest.mark.slow
+def test_tare_removes_a_bias(tmp_path: Path) -> None:
+    for peer in estimator_and_peer(tmp_path):
+        begin_ns = peer.start_afresh()
+        free = [ContactSample(begin_ns + k * PERIOD_NS, -0.01, 0.0, -5.0) for k in range(400)]
+        peer.feed(free)
+        answer = peer.trigger('tare')
+        assert answer.success, answer.message
+        peer.diagnosed(
+            lambda _, values: float(values['force_bias']) == pytest.approx(-5.0, abs=1e-3),
+            'a bias of -5 N',
+        )
+        later = free[-1].stamp_ns + PERIOD_NS
+        peer.feed([s._replace(force=s.force - 5.0) for s in moved(LONG, later)])
+        stiffness = list(peer.values('stiffness').values())
+        assert stiffness[-1] == pytest.approx(K_E, rel=0.01)

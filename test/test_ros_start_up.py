@@ -54,22 +54,6 @@ def test_unknown_parameter_in_a_file_names_the_nearest(tmp_path: Path) -> None:
     assert_one_line(finished, "did you mean 'tuning.rls.forgetting_factor'")
 
 
-def test_malformed_parameter_file_ends_a_node_with_one_line(tmp_path: Path) -> None:
-    file = tmp_path / 'parameters.yaml'
-    file.write_text('estimator_node: [')
-    finished = run_module(
-        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file)
-    )
-    assert_one_line(finished, 'parameters.yaml')
-
-
-def test_missing_parameter_file_ends_a_node_with_one_line(tmp_path: Path) -> None:
-    finished = run_module(
-        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', 'nowhere.yaml'
-    )
-    assert_one_line(finished, 'nowhere.yaml')
-
-
 def test_help_of_the_estimator_node_lists_every_parameter(tmp_path: Path) -> None:
     finished = run_module(tmp_path, 'ros.estimator_node', '--help')
     assert (finished.code, finished.stderr) == (0, '')

@@ -1,11 +1,15 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The node on an arm whose poses come from tf, over DDS."""
+"""The node on an arm whose poses come from tf, and watched, over DDS."""
 
 from __future__ import annotations
 
+from itertools import count
 from pathlib import Path
+import signal
+import subprocess
+import sys
 from typing import Any
 
 from arm_contact import B_E, instants, K_E
@@ -14,17 +18,15 @@ from contact_estimation.commands import replay
 from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.ros.topics import has_transforms, message_class
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes
 from ros_listener import Listener
-from ros_messages import DiagnosticArray, DiagnosticStatus, String, Vector3Stamped, WrenchStamped
-from ros_peer import ESTIMATES, WINDOW
-from ros_processes import node_process, parameter_arguments, run_module
+from ros_messages import (
+    DiagnosticArray, DiagnosticStatus, joint_state, String, Vector3Stamped, wrench, WrenchStamped)
+from ros_peer import ESTIMATES, Peer, WINDOW
+from ros_processes import node_process, wait_until
 from small_arm import MOVING
-
-from contact_estimation.ros.topics import has_transforms, message_class  # noqa: I100
-
-pytestmark = pytest.mark.slow
 
 NODE = 'estimator_node'
 NAMED = {name.replace('.', '__'): value for name, value in OF_TF.items()}
@@ -71,6 +73,7 @@ class Robot(Listener):
             self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
 
 
+@pytest.mark.slow
 @needs_tf
 def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path: Path) -> None:
     begin_ns, stamps = 10**15, iter(range(10**9, 10**12, 20_000_000))
@@ -112,10 +115,34 @@ def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path
     assert again == published
 
 
-@pytest.mark.skipif(has_transforms(), reason='tf2_msgs is installed')
-def test_poses_of_tf_without_its_messages_say_what_to_install(tmp_path: Path) -> None:
-    done = run_module(tmp_path, f'ros.{NODE}', *parameter_arguments(OF_TF))
-    assert done.code == 1
-    assert done.stderr.strip().splitlines() == [
-        'error: pose_source tf: tf2_msgs is not installed, so that /tf and /tf_static cannot be '
-        'read; install it with: sudo apt install ros-jazzy-tf2-msgs']
+pytest.importorskip('rerun')
+
+
+def paths_in(file: Path) -> str:
+    """Print what a file of Rerun holds."""
+    return subprocess.run([sys.executable, '-m', 'rerun', 'rrd', 'print', '-v', str(file)],
+                          capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.slow
+def test_watch_node_shows_what_is_published(tmp_path: Path) -> None:
+    file = tmp_path / 'view.rrd'
+    peer = Peer()
+    try:
+        with node_process(tmp_path / 'log', 'watch_node', show=str(file)) as node:
+            wait_until(file.exists, 'the view')
+            before, numbers = file.stat().st_size, count(1)
+
+            def seen() -> bool:
+                stamp_ns = peer.begin_ns + 2_000_000 * next(numbers)
+                peer.joints.publish(joint_state(stamp_ns, 0.001, 0.0))
+                peer.wrenches.publish(wrench(stamp_ns, -5.0))
+                return file.stat().st_size > before + 20_000
+
+            wait_until(seen, 'a shown wrench')
+            node.signal(signal.SIGINT)
+            assert node.end().code == 0
+    finally:
+        peer.close()
+    held = paths_in(file)
+    assert '/force/measured' in held and '/motion/measured' in held

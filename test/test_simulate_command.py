@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.commands.simulate import main
-from contact_estimation.messages import TrajectoryEncoder
 from contact_estimation.messages.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
@@ -76,14 +75,6 @@ def test_experiment_is_played_to_its_end_and_touches_the_wall(tmp_path: Path) ->
     np.testing.assert_allclose(got.reference_trajectory.values[0, [0, 200]], [-0.01, 0.008])
 
 
-def test_robot_rests_first_and_follows_the_reference_in_free_flight(tmp_path: Path) -> None:
-    model = model_file(tmp_path, environment={'location': 1.0})
-    got = simulated(tmp_path, 'a.mcap', '--model', model,
-                    '--experiment', experiment_file(tmp_path))
-    np.testing.assert_allclose(
-        got.joint_states.values[0], got.reference_trajectory.values[0], atol=1e-6)
-
-
 def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
     model = model_file(tmp_path, physics={'coulomb_friction': {'F_c': 6.0}})
     first = simulated(tmp_path, 'a.mcap', '--model', model,
@@ -92,47 +83,6 @@ def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
     np.testing.assert_array_equal(first.wrench.stamp_ns, again.wrench.stamp_ns)
     np.testing.assert_allclose(first.wrench.values, again.wrench.values, atol=1e-9)
     np.testing.assert_allclose(first.joint_states.values, again.joint_states.values, atol=1e-12)
-
-
-def test_robot_that_holds_its_reference_is_half_a_period_late(tmp_path: Path) -> None:
-    model = model_file(tmp_path, environment={'location': 1.0})
-    first = simulated(tmp_path, 'a.mcap', '--model', model,
-                      '--experiment', experiment_file(tmp_path))
-    held = simulated(tmp_path, 'b.mcap', '--model', model, '--like', str(tmp_path / 'a.mcap'),
-                     '--between', 'held')
-    t = (first.joint_states.stamp_ns - first.joint_states.stamp_ns[0]) * 1e-9
-    late = np.interp(t - 0.5 * (t[1] - t[0]), t, first.joint_states.values[0])
-    np.testing.assert_allclose(held.joint_states.values[0], late, atol=5e-6)
-    assert np.max(np.abs(held.joint_states.values[0] - first.joint_states.values[0])) > 3e-5
-
-
-def test_smooth_reference_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    model = model_file(tmp_path, seed=0)
-    simulated(tmp_path, 'a.mcap', '--model', model, '--experiment', experiment_file(tmp_path))
-    assert main(['--model', model, '--like', str(tmp_path / 'a.mcap'), '--between', 'smooth',
-                 '--output', str(tmp_path / 'b.mcap')]) == 1
-    assert 'must be straight or held, got smooth' in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_reference_is_followed_straight_between_samples_that_lack_rates(tmp_path: Path) -> None:
-    t = 0.04 * np.arange(50)
-    driven_recording(tmp_path / 'coarse.mcap', np.zeros(1200))
-    references = TrajectoryEncoder('', 'j')
-    with RecordingWriter.file(tmp_path / 'all.mcap') as writer:
-        for message in RecordingReader(tmp_path / 'coarse.mcap').messages():
-            kind = RecordingReader(tmp_path / 'coarse.mcap').topics()[message.topic]
-            writer.write(message.topic, kind, message.data, message.log_time_ns)
-        for now in t.tolist():
-            stamp = round(1e9 * now) + 5_000_000_000
-            data = references.encode(stamp, -0.1 * now, -0.1, 0.0, float('nan'))
-            writer.write('/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory', data,
-                         stamp)
-    got = simulated(tmp_path, 'b.mcap', '--model', model_file(tmp_path, seed=0),
-                    '--like', str(tmp_path / 'all.mcap'))
-    late = slice(900, 1100)  # stairs of 40 ms would shake the robot by 0.5 mm
-    since = (got.joint_states.stamp_ns[late] - 5_000_000_000) * 1e-9
-    np.testing.assert_allclose(got.joint_states.values[0, late], -0.1 * since, atol=1e-6)
 
 
 def test_seed_decides_the_noise_and_nothing_else(tmp_path: Path) -> None:
@@ -158,25 +108,6 @@ def test_attached_wall_is_that_of_a_linear_system_driven_straight_between_sample
     np.testing.assert_array_equal(got.wrench.values[0], force)
     assert len(got.reference_trajectory) == 0
     assert got.frame_id == 'sensor'
-
-
-def test_force_that_is_held_drives_an_attached_wall_by_steps(tmp_path: Path) -> None:
-    force = np.sin(np.arange(900) * 0.2)
-    t = driven_recording(tmp_path / 'in.mcap', force)
-    got = simulated(tmp_path, 'out.mcap', '--model', model_file(tmp_path, environment=ATTACHED),
-                    '--like', str(tmp_path / 'in.mcap'), '--between', 'held')
-    expected = lsim(([-1.0], [0.6, 12.0, 1200.0]), force, t, interp=False)[1]
-    late = np.max(np.abs(expected - lsim(([-1.0], [0.6, 12.0, 1200.0]), force, t)[1]))
-    error = np.max(np.abs(got.joint_states.values[0] - expected))
-    assert error < 0.1 * late
-    np.testing.assert_array_equal(got.wrench.values[0], force)
-
-
-def test_bias_of_the_sensor_does_not_drive_an_attached_wall(tmp_path: Path) -> None:
-    driven_recording(tmp_path / 'in.mcap', np.full(600, 5.0))
-    biased = model_file(tmp_path, environment=ATTACHED, physics={'force_bias': {'bias': 5.0}})
-    got = simulated(tmp_path, 'out.mcap', '--model', biased, '--like', str(tmp_path / 'in.mcap'))
-    np.testing.assert_allclose(got.joint_states.values[0], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize('groups, text', [
@@ -205,51 +136,9 @@ def test_recording_without_reference_is_refused_for_a_unilateral_wall(
     assert 'has no reference_trajectory' in capsys.readouterr().err
 
 
-def test_attached_wall_without_mass_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    driven_recording(tmp_path / 'in.mcap', np.zeros(10))
-    model = model_file(tmp_path, environment={**ATTACHED, 'inertia': 0.0})
-    args = ['--model', model, '--like', str(tmp_path / 'in.mcap')]
-    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
-    assert 'environment.inertia must be > 0 kg' in capsys.readouterr().err
-
-
-@pytest.mark.parametrize('args, text', [
-    (['--experiment', 'sinus'], "did you mean 'sine'"),
-    (['--like', 'nowhere.mcap'], 'nowhere.mcap'),
-    (['--experiment', 'sine', '--seed', '-1'], '--seed must be >= 0'),
-])
-def test_request_that_cannot_be_met_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], args: list[str], text: str
-) -> None:
-    output = ['--output', str(tmp_path / 'a.mcap')]
-    assert main(['--model', model_file(tmp_path, seed=1), *args, *output]) == 1
-    error = capsys.readouterr().err
-    assert text in error and error.count('\n') == 1
-
-
-def test_model_file_is_never_replaced_by_the_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    model = model_file(tmp_path, seed=1)
-    output = ['--output', str(tmp_path / 'a.mcap'), '--picture', model]
-    assert main(['--model', model, '--experiment', 'sine', *output]) == 1
-    assert 'it is the model file, which would be lost' in capsys.readouterr().err
-
-
 def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / 'a.mcap').write_text('precious')
     args = ['--model', model_file(tmp_path, seed=1), '--experiment', 'sine']
     assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
     assert 'never overwritten' in capsys.readouterr().err
     assert (tmp_path / 'a.mcap').read_text() == 'precious'
-
-
-def test_file_without_a_plant_section_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / 'e.yaml').write_text('estimator_node: {ros__parameters: {estimator: rls}}')
-    args = ['--model', str(tmp_path / 'e.yaml'), '--experiment', 'sine']
-    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
-    assert 'must have a section plant_node' in capsys.readouterr().err

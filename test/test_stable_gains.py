@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from math import radians, sqrt, tan
+from math import sqrt
 from typing import Any, NamedTuple
 
 import contact_estimation as ce
@@ -92,10 +92,10 @@ def grows(robot: Robot, K_e: float, cycles: int = 240) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('robot', CASES)
-def test_loop_becomes_unstable_within_ten_percent_of_the_predicted_wall(robot: Robot) -> None:
-    K_e = on_wall(robot, 5000.0).stiffest_wall
-    assert [grows(robot, 0.9 * K_e), grows(robot, 1.1 * K_e)] == [False, True]
+def test_loop_becomes_unstable_within_ten_percent_of_the_predicted_wall() -> None:
+    for robot in CASES:
+        K_e = on_wall(robot, 5000.0).stiffest_wall
+        assert [grows(robot, 0.9 * K_e), grows(robot, 1.1 * K_e)] == [False, True], robot
 
 
 @pytest.mark.parametrize('kind', ['admittance', 'impedance'])
@@ -103,35 +103,3 @@ def test_without_delay_the_damping_is_that_of_love_and_book(kind: str) -> None:
     found = ce.stable_gains(2000.0, 20.0, M_t=5.0, B_t=60.0, K_t=100.0, sample_time=1e-5,
                             kind=kind)
     assert found.damping_ratio == pytest.approx(80.0 / (2.0 * sqrt(5.0 * 2100.0)), rel=1e-3)
-
-
-def test_phase_margin_is_that_of_the_closed_form() -> None:
-    # K_e / (s (M_t s + B_t)) crosses 1 at w: tan(margin) = B_t / (M_t w).
-    M_t, B_t, K_e = 5.0, 60.0, 2000.0
-    w = sqrt(0.5 * (sqrt((B_t / M_t)**4 + 4.0 * (K_e / M_t)**2) - (B_t / M_t)**2))
-    found = ce.stable_gains(K_e, 0.0, M_t=M_t, B_t=B_t, K_t=0.0, sample_time=1e-5)
-    assert tan(radians(found.phase_margin)) == pytest.approx(B_t / (M_t * w), rel=1e-2)
-
-
-def test_least_damping_has_the_wanted_margin_on_the_worst_wall() -> None:
-    robot, band = CASES[0], {'K_e_std': 1000.0, 'B_e_std': 10.0}
-    found = on_wall(robot, 20_000.0, phase_margin=50.0, **band)
-    assert found.least_phase_margin < found.phase_margin
-    better = on_wall(robot._replace(B_t=found.least_damping), 20_000.0, **band)
-    assert better.least_phase_margin == pytest.approx(50.0, abs=0.1)
-
-
-def test_unstable_loop_has_a_negative_margin() -> None:
-    found = on_wall(CASES[0], 200_000.0)
-    assert not found.stable
-    assert found.phase_margin < 0.0
-
-
-@pytest.mark.parametrize('changes, text', [
-    ({'kind': 'force'}, "unknown kind 'force'"), ({'M_t': 0.0}, 'M_t must be a number > 0'),
-    ({'B_e': float('nan')}, 'B_e must be a number >= 0'),
-    ({'delay': 10.0}, 'delay must be at most'),
-])
-def test_values_out_of_range_are_named(changes: dict[str, Any], text: str) -> None:
-    with pytest.raises(ce.ContactEstimationError, match=text):
-        on_wall(CASES[0]._replace(**changes), 5000.0)

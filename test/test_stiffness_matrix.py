@@ -6,41 +6,27 @@
 from __future__ import annotations
 
 import json
-from math import inf, nan
+from math import nan
 from pathlib import Path
-import re
 
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
-    MatrixEstimate,
     principal_table,
     StiffnessMatrix,
     StiffnessMatrixParameters,
 )
-from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import WrenchEncoder
-from contact_estimation.parameters.values import build
-from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
-from contact_estimation.studies.benchmarks.matrix_study import estimate_of as study_estimate
-from contact_estimation.studies.benchmarks.matrix_study import main, make_world, score_of
 import numpy as np
-import pytest
 from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE
 
 STIFFNESSES = np.array([8000.0, 3000.0, 500.0])
 T = 0.002 * np.arange(1500)
 MATRIX = {'matrix_estimator': 'stiffness_matrix'}
-
-
-def turned(seed: int) -> np.ndarray:
-    """Return three orthonormal columns."""
-    return np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
 
 
 def samples_of(
@@ -60,22 +46,6 @@ def samples_of(
     ]
 
 
-def estimate_of(samples: list[AxesSample]) -> MatrixEstimate:
-    """Estimate from samples that are all in contact."""
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
-    return estimator.process(samples, [True] * len(samples))[-1]
-
-
-@pytest.mark.parametrize('with_velocity', [True, False])
-def test_coupled_matrices_are_found_without_noise(with_velocity: bool) -> None:
-    q = turned(1)
-    K = q @ np.diag(STIFFNESSES) @ q.T + 200.0 * (np.eye(3)[[1, 0, 2]] - np.eye(3)[[0, 1, 2]])
-    B = 0.01 * K.T
-    found = estimate_of(samples_of(K, B, 1, noise=0.0, with_velocity=with_velocity))
-    np.testing.assert_allclose(found.stiffness, K, atol=2.0)
-    np.testing.assert_allclose(found.damping, B, atol=0.05)
-
-
 def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
     samples = samples_of(np.diag(STIFFNESSES), 10.0 * np.eye(3), 3)
     table = np.array([[[s.position, s.velocity, s.force] for s in axes] for axes in samples])
@@ -86,117 +56,6 @@ def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
     found = estimator.process(samples, [True] * len(samples))[-1]
     assert (np.abs(found.stiffness - theta[:3].T) < 0.7 * found.stiffness_std).all()
     assert (np.abs(found.damping - theta[3:6].T) < 0.7 * found.damping_std).all()
-
-
-@pytest.mark.parametrize('friction', [0.0, 0.3, 0.8])
-def test_deviations_hold_behind_lagging_sensors(friction: float) -> None:
-    worlds = [make_world(k, friction, 7, 2.0) for k in range(5)]
-    scores = [score_of(study_estimate(world), world) for world in worlds]
-    assert np.mean([score.K_inside for score in scores]) >= 0.9
-    assert np.mean([score.B_inside for score in scores]) >= 0.85
-    assert max(score.K_error for score in scores) < 0.05
-    assert {score.told for score in scores} == {float(friction > 0.0)}
-
-
-def test_friction_is_told_and_taken_from_stiffness_and_normal() -> None:
-    world = make_world(3, 0.3, 1, 2.0)
-    found = study_estimate(world)
-    assert found.reason.startswith('friction along the wall: mu = 0.3 +- ')
-    assert abs(found.friction - 0.3) < 2.0 * found.friction_std < 0.02
-    assert np.arccos(abs(found.normal @ world.normal)) < 0.002
-
-
-def test_a_mass_is_told() -> None:
-    samples = samples_of(np.diag(STIFFNESSES), 10.0 * np.eye(3), 8)
-    x = np.array([[s.position for s in axes] for axes in samples])
-    F = -0.7 * np.gradient(np.gradient(x, 0.002, axis=0), 0.002, axis=0)
-    heavy = [tuple(s._replace(force=s.force + float(F[k, i])) for i, s in enumerate(axes))
-             for k, axes in enumerate(samples)]
-    assert re.match(r'0\.[67]\d? kg are accelerated', estimate_of(heavy[5:-5]).reason)
-    assert estimate_of(samples).reason == ''
-
-
-def test_a_late_force_is_told() -> None:
-    world = make_world(0, 0.0, 9, 3.0)
-    late = [tuple(now._replace(force=old.force) for now, old in zip(axes, before))
-            for axes, before in zip(world.samples[2:], world.samples)]
-    found = study_estimate(world._replace(samples=late, contact=world.contact[:len(late)]))
-    assert 'forces lag by' in found.reason and not study_estimate(world).reason
-
-
-def test_without_motion_the_estimate_is_frozen() -> None:
-    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
-    rest = [tuple(s._replace(stamp_ns=round(2e6 * (len(samples) + k))) for s in samples[-1])
-            for k in range(3000)]
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
-    learned = estimator.process(samples, [True] * len(samples))[-1]
-    frozen = estimator.process(rest, [True] * len(rest))[-1]
-    assert (learned.status, learned.reason) == (EstimateStatus.ESTIMATING, '')
-    assert (frozen.status, frozen.reason) == (EstimateStatus.FROZEN, 'no motion')
-    np.testing.assert_allclose(frozen.stiffness, learned.stiffness, rtol=0.01, atol=20.0)
-    assert (frozen.stiffness_std < 1.2 * learned.stiffness_std).all()
-
-
-@pytest.mark.parametrize('wrong', [nan, inf])
-def test_gaps_and_values_that_are_not_finite_are_left_out(wrong: float) -> None:
-    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
-    samples[400] = tuple(s._replace(force=wrong) for s in samples[400])
-    del samples[700:702], samples[800:900]
-    found = estimate_of(samples)
-    np.testing.assert_allclose(np.diag(found.stiffness), STIFFNESSES, rtol=0.03)
-    assert all(np.isfinite(value).all() for value in found[:-2])
-
-
-def test_principal_directions_and_normal_are_those_of_the_wall() -> None:
-    q = turned(4)
-    found = estimate_of(samples_of(q @ np.diag(STIFFNESSES) @ q.T, 0.01 * np.eye(3), 4))
-    angles = np.arccos(np.abs(np.sum(found.directions * q.T, axis=1)))
-    assert (angles < 4.0 * found.direction_std).all() and (found.direction_std < 0.01).all()
-    assert np.arccos(abs(found.normal @ q[:, 0])) < 0.02
-
-
-def test_the_normal_points_into_the_wall() -> None:
-    n = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
-    K = 5000.0 * np.outer(n, n)
-    found = estimate_of(samples_of(K, 0.01 * K, 6))
-    np.testing.assert_allclose(found.normal, n, atol=0.01)  # pushed by K (0.01, 0, 0) m
-    assert found.principal[1] < 3.0 * found.principal_std[1] + 50.0
-    assert (found.principal >= 0.0).all()
-
-
-def test_without_excitation_the_normal_is_the_direction_of_the_force() -> None:
-    force = (-30.0, -10.0, 0.0)
-    rest = [tuple(ContactSample(2_000_000 * k, 0.0, 0.0, f) for f in force) for k in range(200)]
-    found = estimate_of(rest)
-    np.testing.assert_allclose(found.normal, -np.array(force) / np.linalg.norm(force))
-    assert (found.stiffness_std[0] > 1e5).all()
-
-
-def test_runs_may_be_cut_anywhere() -> None:
-    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
-    for begin in range(0, len(samples), 7):
-        part = samples[begin:begin + 7]
-        estimator.process(part, [True] * len(part))
-    last = estimator.estimate
-    assert last is not None
-    np.testing.assert_array_equal(last.stiffness, estimate_of(samples).stiffness)
-
-
-def test_another_wall_after_free_flight_is_learned_anew() -> None:
-    first = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
-    second = samples_of(2.0 * np.diag(STIFFNESSES), np.eye(3), 6)
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
-    estimator.process(first, [True] * len(first))
-    second = [tuple(s._replace(stamp_ns=s.stamp_ns + 4 * 10**9) for s in axes) for axes in second]
-    found = estimator.process(second, [True] * len(second))[-1]
-    np.testing.assert_allclose(np.diag(found.stiffness), 2.0 * STIFFNESSES, rtol=0.02)
-
-
-def test_two_axes_are_refused() -> None:
-    two = {k: v for k, v in PARAMETERS.items() if '.z.' not in k}
-    with pytest.raises(ParameterRangeError, match='needs the axes x, y and z, got x, y'):
-        build(EstimationParameters, {**two, **MATRIX})
 
 
 def test_replay_gives_the_matrices_of_the_session(tmp_path: Path) -> None:
@@ -224,10 +83,3 @@ def test_replay_gives_the_matrices_of_the_session(tmp_path: Path) -> None:
     assert len(messages) == len(every)
     assert messages[-1].data[-36 * 8:] == matrices(last).tobytes()
     assert principal_table(last).shape == (3, 6)
-
-
-def test_the_study_prints_a_row_for_each_friction(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(['--worlds', '1', '--seconds', '0.5']) == 0
-    assert len(capsys.readouterr().out.splitlines()) == 6
-    with pytest.raises(SystemExit):
-        main(['--help'])

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import inf, isnan, nan
+from math import inf, nan
 
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.synchronisation import SynchronisationParameters, Synchroniser
@@ -44,17 +44,6 @@ def stamps_ms(samples: list[ContactSample]) -> list[float]:
     return [sample.stamp_ns / MS for sample in samples]
 
 
-def test_same_stamps_give_the_readings_themselves() -> None:
-    samples = send(synchroniser(), streams(range(2, 5)))
-    assert samples[0] == ContactSample(2 * MS, 1e-9 * 2 * MS, 1.0 + 1e-12 * 2 * MS, -2.0)
-
-
-def test_either_topic_may_come_first() -> None:
-    forward = streams(range(0, 200, 2))
-    backward = [forward[k ^ 1] for k in range(len(forward))]
-    assert send(synchroniser(), forward) == send(synchroniser(), backward)
-
-
 def test_motion_is_interpolated_to_the_wrench() -> None:
     of = synchroniser()
     of.add_motion(0, (1.0, 10.0))
@@ -69,13 +58,6 @@ def test_wrench_waits_for_a_joint_sample_at_or_after_it() -> None:
     assert not list(of.add_wrench(MS, (0.0,)))
     ((sample,),) = of.add_motion(2 * MS, (1.0, 0.0))
     assert sample.stamp_ns == MS
-
-
-def test_velocity_that_is_not_finite_is_unknown_and_the_sample_kept() -> None:
-    of = synchroniser()
-    of.add_motion(0, (1.0, inf))
-    ((sample,),) = of.add_wrench(0, (0.0,))
-    assert isnan(sample.velocity) and sample.position == 1.0
 
 
 @pytest.mark.parametrize('kind', ['wrench', 'joint'])
@@ -116,38 +98,6 @@ def test_joint_that_is_not_finite_is_counted_and_bridged(position: float) -> Non
     assert of.rejected == {'joint_not_finite': 1}
 
 
-def test_joint_dropout_of_half_a_second_costs_its_wrenches_alone() -> None:
-    of = synchroniser()
-    messages = [m for m in streams(range(0, 2000, 2))
-                if m[0] == 'wrench' or not 500 * MS < m[1] < 1000 * MS]
-    samples = send(of, messages)
-    assert stamps_ms(samples) == [t for t in range(0, 2000, 2) if not 500 < t < 1000]
-    assert set(of.rejected) == {'joint_missing', 'joint_gap'} and of.rejected.total() == 249
-
-
-def test_wrench_dropout_costs_nothing_else() -> None:
-    of = synchroniser()
-    messages = [m for m in streams(range(0, 2000, 2))
-                if m[0] == 'joint' or not 500 * MS < m[1] < 1000 * MS]
-    assert stamps_ms(send(of, messages)) == [
-        t for t in range(0, 2000, 2) if not 500 < t < 1000
-    ]
-    assert not of.rejected
-
-
-def test_joint_samples_too_far_apart_are_not_interpolated() -> None:
-    of = synchroniser()
-    assert not send(of, [('joint', 0), ('wrench', 30 * MS), ('joint', 51 * MS)])
-    assert of.rejected == {'joint_gap': 1}
-
-
-def test_wrench_before_the_first_joint_sample_is_given_up() -> None:
-    of = synchroniser()
-    samples = send(of, [('wrench', 0), ('wrench', 2 * MS), *streams(range(4, 8, 2))])
-    assert stamps_ms(samples) == [4, 6]
-    assert of.rejected == {'joint_missing': 2}
-
-
 def test_wrench_is_given_up_after_the_time_out_in_stamps() -> None:
     of = synchroniser()
     send(of, [('joint', 0), ('wrench', 2 * MS), ('wrench', 102 * MS)])
@@ -165,71 +115,17 @@ def test_time_that_jumps_back_starts_anew(first: str) -> None:
     assert of.time_jumps == 1 and of.jumped
 
 
-def test_joint_states_that_jump_back_ahead_of_the_wrenches_are_kept() -> None:
-    of = synchroniser()
-    send(of, streams(range(5000, 5020, 2)))
-    again = streams(range(2, 22, 2))
-    ahead = [m for m in again if m[0] != 'wrench'] + [m for m in again if m[0] == 'wrench']
-    assert len(send(of, ahead)) == 10
-
-
-def test_time_that_jumps_back_counts_the_wrenches_it_leaves_behind() -> None:
-    of = synchroniser()
-    send(of, [*streams(range(5000, 5020, 2)), ('wrench', 5020 * MS), ('wrench', 5022 * MS)])
-    send(of, streams(range(2, 22, 2)))
-    assert of.rejected == {'joint_missing': 2}
-
-
-def test_time_that_jumps_ahead_harms_nothing_after_it() -> None:
-    of = synchroniser()
-    later = streams(range(900_000, 900_020, 2))
-    send(of, streams(range(0, 20, 2)))
-    assert send(of, later) == send(synchroniser(), later)
-
-
-@pytest.mark.parametrize('seed', range(5))
-@pytest.mark.parametrize('shift_ns', [0, 700_000])
-def test_any_arrival_within_the_time_out_gives_bit_identical_samples(
-    seed: int, shift_ns: int
-) -> None:
-    random = np.random.default_rng(seed)
-    messages = streams(range(0, 1000, 2), shift_ns)
-    delay = {'wrench': 0.0, 'joint': 0.0}
-    arrivals: list[tuple[float, int, Message]] = []
-    for kind, stamp in messages:  # each topic keeps its order
-        delay[kind] = max(delay[kind], stamp + float(random.uniform(0.0, 45.0)) * MS)
-        arrivals.append((delay[kind], len(arrivals), (kind, stamp)))
-    shuffled = [message for _, _, message in sorted(arrivals)]
-    of, expected = synchroniser(), synchroniser()
-    assert send(of, shuffled) == send(expected, messages)
-    assert of.rejected == expected.rejected
-
-
-def test_joint_samples_do_not_pile_up_without_a_wrench() -> None:
-    of = synchroniser()
-    send(of, [('joint', t * MS) for t in range(0, 24_000, 2)])
-    assert not send(of, [('wrench', 3000 * MS)])
-    assert of.rejected == {'joint_missing': 1}
-
-
-def test_new_time_out_holds_at_once() -> None:
-    of = synchroniser()
-    of.configure(SynchronisationParameters(timeout_s=1.0))
-    send(of, [('joint', 0), ('wrench', 2 * MS), ('wrench', 900 * MS)])
-    assert not of.rejected
-
-
-@pytest.mark.parametrize('force, count', [(149.0, 1), (151.0, 0), (-151.0, 0)])
-def test_force_beyond_the_range_of_the_sensor_is_rejected(force: float, count: int) -> None:
-    of = synchroniser()
-    of.configure(SynchronisationParameters(maximum_force=150.0))
-    of.add_motion(2 * MS, (0.0, 0.0))
-    assert len(list(of.add_wrench(2 * MS, (force,)))) == count
-    assert of.rejected['wrench_absurd'] == 1 - count
-
-
-def test_motion_beyond_its_range_is_rejected() -> None:
-    of = synchroniser()
-    of.add_motion(2 * MS, (1e4, 0.0))
-    of.add_motion(4 * MS, (0.0, -1e4))
-    assert of.rejected['joint_absurd'] == 2
+def test_any_arrival_within_the_time_out_gives_bit_identical_samples() -> None:
+    for seed in range(5):
+        for shift_ns in [0, 700_000]:
+            random = np.random.default_rng(seed)
+            messages = streams(range(0, 1000, 2), shift_ns)
+            delay = {'wrench': 0.0, 'joint': 0.0}
+            arrivals: list[tuple[float, int, Message]] = []
+            for kind, stamp in messages:  # each topic keeps its order
+                delay[kind] = max(delay[kind], stamp + float(random.uniform(0.0, 45.0)) * MS)
+                arrivals.append((delay[kind], len(arrivals), (kind, stamp)))
+            shuffled = [message for _, _, message in sorted(arrivals)]
+            of, expected = synchroniser(), synchroniser()
+            assert send(of, shuffled) == send(expected, messages), (seed, shift_ns)
+            assert of.rejected == expected.rejected, (seed, shift_ns)

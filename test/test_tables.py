@@ -13,7 +13,6 @@ import contact_estimation as ce
 from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.plant.simulation import simulate_experiment, write_simulation
-from contact_estimation.recordings import table
 from contact_estimation.recordings.columns import signals_of_columns
 from contact_estimation.recordings.table import read_columns
 import numpy as np
@@ -96,13 +95,6 @@ def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:
     np.testing.assert_allclose(found['joint.probe'], [-0.003, -0.005])
 
 
-def test_cells_may_be_empty_where_rates_differ(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,1.5,\n0.1,,0.1\n0.2,2.5,0.2\n')
-    found = ce.read_table(tmp_path / 'a.csv')
-    np.testing.assert_equal(found['wrench.force.x'], [1.5, np.nan, 2.5])
-    np.testing.assert_equal(found['joint.x'], [np.nan, 0.1, 0.2])
-
-
 def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     pyarrow = pytest.importorskip('pyarrow')
     from pyarrow import parquet
@@ -132,22 +124,7 @@ def test_table_that_is_not_understood_says_how_to_choose(
         ce.read_table(tmp_path / 'a.csv', **options)
 
 
-def test_compressed_tables_are_bounded(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(table, 'MOST_CELLS', 5)
-    savemat(tmp_path / 'a.mat', {'t': np.zeros(3), 'F': np.zeros(3)}, do_compression=True)
-    with pytest.raises(ce.ContactEstimationError, match='has 6 cells, expected at most 5'):
-        ce.read_table(tmp_path / 'a.mat')
-
-
-@pytest.mark.parametrize('name', ['a.csv', 'a.parquet', 'a.mat'])
-def test_damaged_table_is_one_line(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(b'\x00garbage' * 9)
-    with pytest.raises(ce.ContactEstimationError, match=f'table .*{name}'):
-        ce.read_table(tmp_path / name)
-
-
+@pytest.mark.slow
 def test_bag_to_csv_to_bag_gives_the_same_estimates(
     recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -162,25 +139,3 @@ def test_bag_to_csv_to_bag_gives_the_same_estimates(
     assert written[0] == written[1] == written[2]
     said = Command('replay', replay, capfd)(as_csv).out.splitlines()[0]
     assert said.startswith('columns: ') and said.endswith(' t=t_ns')
-
-
-def test_arrays_become_a_recording_of_an_arm(tmp_path: Path) -> None:
-    t = 0.002 * np.arange(5)
-    signals = {'t': t, 'wrench.torque.y': t, 'wrench.force.z': -t, 'joint.a': 2 * t,
-               'joint.b': 3 * t, 'reference.a': 4 * t}
-    ce.write_recording(tmp_path / 'a.mcap', signals)
-    found = ce.read_table(tmp_path / 'a.mcap')
-    for name, values in signals.items():
-        np.testing.assert_allclose(found[name], values, atol=1e-15)
-
-
-@pytest.mark.parametrize('signals, text', [
-    ({'t': [0.0], 'force': [1.0]}, "unknown signal 'force'"),
-    ({'t': [0.0], 'wrench.force.x': [1.0, 2.0], 'joint.x': [0.0]}, 'arrays of one shape'),
-    ({'t': [0.0], 'wrench.force.x': [1.0]}, 'add joint.NAME'),
-])
-def test_arrays_that_are_no_recording_are_refused(
-    tmp_path: Path, signals: dict[str, list[float]], text: str
-) -> None:
-    with pytest.raises(ce.ContactEstimationError, match=text):
-        ce.write_recording(tmp_path / 'a.mcap', signals)

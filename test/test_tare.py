@@ -1,8 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
-"""The zero of the force is measured off line in free flight, wherever that is."""
+"""The zero of the force, and the axis on which it acts."""
 
 from __future__ import annotations
 
@@ -12,8 +11,10 @@ from typing import Any
 
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.one_recording import read as read_of_fleet
+from contact_estimation.diagnosis.checks.evidence import Evidence
+from contact_estimation.diagnosis.checks.signs_and_axes import axis
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.recordings.free_flight import FIRST, tare_of
 import numpy as np
@@ -43,11 +44,6 @@ def test_first_free_flight_presses_least(
     found = tare_of(T, force(*levels), FIRST)
     assert found.force == pytest.approx(zero, abs=0.02)
     assert found.begin_s == pytest.approx(begin, abs=0.01)
-
-
-def test_span_may_be_given() -> None:
-    assert tare_of(T, T, '2:3').force == pytest.approx(2.5)
-    assert tare_of(T, T, ':1').end_s == 1.0
 
 
 @pytest.mark.parametrize('tare, text', [
@@ -90,13 +86,26 @@ def test_tare_or_declared_bias_silences_the_warning(
         assert 'tare: 8 N subtracted from the force' in ended.out
 
 
-def test_fleet_reads_with_parameters_and_tare(untared: Path) -> None:
-    plain, turned = (
-        read_of_fleet(str(untared), Settings.of(ce.PlantParameters(), **options)) for options in (
-            {}, {'parameters': {'force_sign': -1.0}, 'reading': {'tare': '0:0.5'}}))
-    np.testing.assert_allclose(plain.signals.force + turned.signals.force, 8.0, atol=0.01)
+TIMES = np.arange(0.0, 40.0, 0.02)
+DEPTH = 4e-3 * (1.0 - np.abs(TIMES - 20.0) / 20.0)  # pressed and released once
+MODEL = PlantParameters(environment=WallParameters(stiffness=250.0, damping=0.0))
 
 
-def test_diagnosis_takes_the_tared_force(untared: Path) -> None:
-    as_recorded, tared = (ce.read_recording(untared, tare=tare) for tare in ('', FIRST))
-    np.testing.assert_allclose(as_recorded.signals.force - tared.signals.force, 8.0, atol=0.01)
+def found_with(force: NDArray[np.float64]) -> bool:
+    """Return whether the axis is accepted."""
+    noise = 1e-3 * np.random.default_rng(5).standard_normal(len(TIMES))
+    signals = Signals(TIMES, -force + noise, TIMES, DEPTH, np.empty(0), np.empty((4, 0)))
+    return axis(Evidence(signals, MODEL)).ok
+
+
+def test_a_dome_that_buckles_is_accepted() -> None:
+    bottom = 60.0 * np.maximum(DEPTH - 3.8e-3, 0.0) / 4e-3
+    dome = np.sin(4.0 * np.pi * DEPTH / 4e-3) + bottom
+    assert abs(np.corrcoef(dome, DEPTH)[0, 1]) < 0.2
+    assert found_with(0.1 * dome)
+
+
+def test_a_force_that_differs_on_the_way_out_is_refused() -> None:
+    wanders = np.sin(2.0 * np.pi * (TIMES - 20.0) / 10.0)
+    assert abs(np.corrcoef(wanders, DEPTH)[0, 1]) < 0.2
+    assert not found_with(wanders)

@@ -6,13 +6,11 @@
 from __future__ import annotations
 
 import struct
-from typing import Any
 
 from arm_transforms import static_bytes, transform
 from contact_estimation.exceptions import MessageError, ModelFileError, UnknownNameError
 from contact_estimation.kinematics.frame_tree import FrameTree
 from contact_estimation.kinematics.moving_frames import MovingFrames
-from contact_estimation.kinematics.poses import inverse, matrix_of, product
 from contact_estimation.kinematics.transform_model import TransformModel
 from contact_estimation.messages import StampedTransform, TransformsDecoder
 import numpy as np
@@ -27,12 +25,6 @@ RANDOM = np.random.default_rng(5)
 def random_pose() -> tuple[float, ...]:
     turned = Rotation.random(random_state=int(RANDOM.integers(1 << 30))).as_quat()
     return (*RANDOM.normal(size=3).tolist(), *turned.tolist())
-
-
-def matrix(pose_of: Any) -> Any:
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = Rotation.from_quat(pose_of[3:]).as_matrix(), pose_of[:3]
-    return T
 
 
 def tree_of(q: tuple[float, ...]) -> tuple[FrameTree, list[StampedTransform]]:
@@ -60,28 +52,11 @@ def test_transforms_are_read_as_rosbags_reads_them(count: int, little_endian: bo
             assert [(*one[:3], *one.pose) for one in decoder.decode(raw)] == expected
 
 
-def test_messages_of_equal_size_with_other_names_are_told_apart() -> None:
-    decoder = TransformsDecoder()
-    for child in ('tip', 'tap', 'tip'):
-        (one,) = decoder.decode(transforms_bytes([(1, '/base', child, random_pose())]))
-        assert (one.parent, one.child) == ('base', child)
-
-
 def test_bytes_that_are_no_transforms_are_refused() -> None:
     raw = transforms_bytes([(1, 'base', 'tip', random_pose())])
     for wrong in (raw[:-80], raw[:4], b'', raw[:4] + struct.pack('<I', 10**6) + raw[8:]):
         with pytest.raises(MessageError, match='tf2_msgs/msg/TFMessage'):
             TransformsDecoder().decode(wrong)
-
-
-def test_products_and_inverses_are_those_of_matrices() -> None:
-    for _ in range(20):
-        first, second = random_pose(), random_pose()
-        found = product(first, second)
-        np.testing.assert_allclose(matrix(found), matrix(first) @ matrix(second), atol=1e-12)
-        np.testing.assert_allclose(matrix_of(found), matrix(found)[:3, :3], atol=1e-12)
-        np.testing.assert_allclose(
-            matrix(inverse(first)), np.linalg.inv(matrix(first)), atol=1e-12)
 
 
 @pytest.mark.parametrize('base, frame', [
@@ -96,12 +71,6 @@ def test_poses_are_those_of_hand_written_transforms(base: str, frame: str) -> No
     np.testing.assert_allclose(np.c_[R, p], expected[:3], atol=1e-9)
     np.testing.assert_allclose(
         model.root_axes, pose(q, base, model.root)[:3, :3], atol=1e-9)
-
-
-def test_gravity_is_that_of_the_highest_frame_with_static_transforms() -> None:
-    tree, _ = tree_of((0.1, 0.2, 0.3))
-    assert TransformModel(tree, 'base_link', 'tool').root == 'world'
-    assert TransformModel(tree, 'link_1', 'tool').root == 'link_1'
 
 
 def test_frames_that_lack_are_named() -> None:
@@ -120,58 +89,9 @@ def test_frames_that_lack_are_named() -> None:
         model.in_tip('tol')
 
 
-def test_a_mounting_is_found_from_a_link_that_static_transforms_reach() -> None:
-    tree, _ = tree_of((0.1, 0.2, 0.3))
-    mounting = random_pose()
-    tree.add_fixed([StampedTransform(0, 'tool', 'cell', mounting)])
-    found = tree.anchor('cell', {'base_link', 'link_3', 'sensor'})
-    assert found is not None and found[0] == 'sensor'
-    expected = pose((0, 0, 0), 'tool', 'sensor') @ matrix(mounting)
-    np.testing.assert_allclose(matrix(found[1]), expected, atol=1e-9)
-    assert tree.anchor('cell', {'link_1', 'finger'}) is None
-    assert tree.anchor('nothing', {'link_1'}) is None
-
-
-def test_a_loop_of_frames_ends() -> None:
-    tree = FrameTree()
-    tree.add_moving([StampedTransform(0, 'a', 'b', random_pose()),
-                     StampedTransform(0, 'b', 'a', random_pose())])
-    assert tree.path('a', 'c') is None
-
-
 def part(stamp_ns: int, *children: str) -> list[StampedTransform]:
     return [StampedTransform(stamp_ns, 'base', child, (float(stamp_ns), *[0.0] * 5, 1.0))
             for child in children]
-
-
-def test_rows_do_not_depend_on_the_order_of_publishers() -> None:
-    parts = [part(t, 'a') for t in (1, 3, 5, 7)], [part(t, 'b') for t in (2, 4, 6)]
-    orders = [[0, 0, 0, 0, 1, 1, 1], [0, 1, 0, 1, 0, 1, 0], [1, 1, 1, 0, 0, 0, 0]]
-    found = []
-    for order in orders:
-        moving, queues = MovingFrames(['a', 'b'], 1.0), [list(one) for one in parts]
-        found.append([row for which in order for row in moving.add(queues[which].pop(0))])
-    assert [stamp for stamp, _ in found[0]] == [2, 3, 4, 5, 6]
-    assert all((row[0], row[7]) == (stamp, stamp) for stamp, row in found[0])
-    assert found[1] == found[0] and found[2] == found[0]
-
-
-def test_repeated_late_and_broken_transforms_are_passed_over() -> None:
-    moving = MovingFrames(['a'], 1.0)
-    assert len(moving.add(part(10, 'a'))) == 1
-    broken = StampedTransform(12, 'base', 'a', (float('nan'), *[0.0] * 5, 1.0))
-    flat = StampedTransform(12, 'base', 'a', (0.0,) * 7)
-    for late in (part(10, 'a'), part(9, 'a'), part(11, 'b'), [broken], [flat]):
-        assert moving.add(late) == []
-    assert len(moving.add(part(11, 'a'))) == 1
-
-
-def test_a_backward_clock_jump_starts_again() -> None:
-    moving = MovingFrames(['a', 'b'], 1.0)
-    moving.add(part(5 * 10**9, 'a', 'b'))
-    assert moving.add(part(10**9, 'a')) == []
-    ((stamp_ns, _),) = moving.add(part(10**9, 'b'))
-    assert stamp_ns == 10**9
 
 
 def test_turning_frames_are_interpolated_the_short_way() -> None:

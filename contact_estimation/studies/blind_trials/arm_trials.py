@@ -71,13 +71,6 @@ def _payload(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     return ArmLaw('payload', [mass, *(mass * c), *inertia], len(one.arm.joints) - 1)
 
 
-def _inertia_of(one: _Arm, j: int) -> float:
-    """Return the inertia that a joint moves on average [kg m^2]."""
-    n = len(one.arm.joints)
-    return float(np.mean([one.arm.forward(q, np.zeros(n), np.zeros(n))[0][j, j]
-                          for q in one.motion.q[::200]]))
-
-
 def _rotor(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a rotor whose torque is a tenth of its joint's range at least."""
     j = one.joint(rng)

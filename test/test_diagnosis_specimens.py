@@ -1,0 +1,136 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Specimens whose friction, laws or zero are not to be mistaken."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
+from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.observe.signals import Signals
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+MODEL = nominal(environment__stiffness=15.0, environment__damping=50.0,
+                environment__unilateral=False)
+RATE_HZ, DEPTH, TAU_S = 20.0, 0.04, 10.0
+
+
+@lru_cache(maxsize=None)
+def pulled(elastic: bool, loss: bool, back_s: float = 30.0, stray: float = 0.004) -> Signals:
+    """Stretch a strip once in 45 s and let it back; its force also strays, by 1 % of its range."""
+    t = np.arange(round((45.0 + back_s) * RATE_HZ)) / RATE_HZ
+    x = DEPTH * np.interp(t, (0.0, 45.0, 45.0 + back_s), (0.0, 1.0, 0.0))
+    branch = lfilter([1.0, -1.0], [1.0, -np.exp(-1.0 / (RATE_HZ * TAU_S))], x)
+    force = 2.2 * x**0.5 if elastic else 15.0 * x
+    force = force + (20.0 * branch if loss else 0.0)
+    random = np.random.default_rng(2)
+    force += stray * np.sin(0.4 * t) * np.sin(1.1 * t) + random.normal(0.0, 5e-4, len(t))
+    return Signals(t, -force, t, x, np.empty(0), np.empty((4, 0)))
+
+
+@lru_cache(maxsize=None)
+def diagnosis(
+    elastic: bool = True, loss: bool = True, back_s: float = 30.0, stray: float = 0.004
+) -> Diagnosis:
+    return diagnosed(pulled(elastic, loss, back_s, stray), MODEL)
+
+
+def families(found: Diagnosis) -> set[str]:
+    return {effect.family for effect in found.effects}
+
+
+@pytest.mark.slow
+def test_both_laws_are_named() -> None:
+    found = diagnosis()
+    assert families(found) == {'elastic_law', 'relaxation'}
+    assert found.verdict == 'physics_missing'
+
+
+@pytest.mark.slow
+def test_a_loss_is_named_beside_the_law_if_both_ways_are_as_fast() -> None:
+    found = diagnosis(back_s=45.0)
+    law, loss = sorted(found.effects, key=lambda effect: effect.family)
+    assert law.family == 'elastic_law'
+    assert loss.name in {'presliding_friction', 'viscoelastic_relaxation'}
+
+
+ZERO, F_C, B_E, PERIOD = 250.0, 6.0, 600.0, 5.0
+LAW = 'coulomb_friction'
+
+
+@lru_cache(maxsize=None)
+def piston(bias: float) -> Diagnosis:
+    """Push a piston to and fro: a damper that rubs, with a trifle that no law has."""
+    t = np.arange(0.0, 60.0, 0.02)
+    x = 0.01 * np.sin(2.0 * np.pi * t / PERIOD) + 0.004 * np.sin(2.0 * np.pi * t / 3.7)
+    v = np.gradient(x, t)
+    force = bias - B_E * v - F_C * np.tanh(v / 1e-4) + 0.8 * np.sin(900.0 * x)
+    noise = np.random.default_rng(3).normal(0.0, 0.02, len(t))
+    return diagnosed(
+        Signals(t, force + noise, t, x, t[:0], np.empty((4, 0))),
+        nominal(environment__unilateral=False, environment__stiffness=1000.0,
+                environment__damping=B_E))
+
+
+@pytest.mark.slow
+def test_friction_is_named_tared_or_not() -> None:
+    tared, untared = piston(0.0), piston(ZERO)
+    assert [one.name for one in tared.effects] == [LAW]
+    assert [one.name for one in untared.effects] == ['force_bias', LAW]
+    assert untared.effects[0].parameters['bias'].value == pytest.approx(ZERO, rel=0.01)
+    for found in (tared, untared):
+        assert found.effects[-1].parameters['F_c'].value == pytest.approx(F_C, rel=0.05)
+
+
+NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
+MASS, DRAG, DRY, BIAS = 90.0, 200.0, 20.0, 3.0  # of a linear drive
+
+
+@pytest.mark.slow
+def test_offset_of_an_attached_wall_is_a_bias_of_the_sensor() -> None:
+    found = diagnosed(attached(*physics('force_bias', 5.0).items()), nominal(**ATTACHED))
+    assert named(found) == ['force_bias']
+    assert found.effects[0].parameters['bias'].value == pytest.approx(5.0, rel=0.02)
+
+
+@lru_cache(maxsize=None)
+def drive() -> Signals:
+    """Record a drive without a spring that is controlled in position, integrated here."""
+    rate, fine = 500, 10
+    h = 1.0 / rate / fine
+    t = np.arange(6 * rate) / rate
+    wanted = 0.05 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t + 1.0)
+    wanted_rate = 0.1 * np.cos(2.0 * t) + 0.106 * np.cos(5.3 * t + 1.0)
+    x, v = float(wanted[0]), float(wanted_rate[0])
+    force, position = np.empty(len(t)), np.empty(len(t))
+    for k in range(len(t)):
+        push = 4e4 * (wanted[k] - x) + 3e3 * (wanted_rate[k] - v)
+        force[k], position[k] = push, x
+        for _ in range(fine):  # the controller holds its output
+            v += h / MASS * (push - DRAG * v - DRY * np.tanh(v / 4e-4))
+            x += h * v
+    noise = np.random.default_rng(1).normal(size=(2, len(t)))
+    measured = -force + BIAS + 0.2 * noise[0]
+    return Signals(t, measured, t, position + 2e-7 * noise[1], *NO_REFERENCE)
+
+
+@lru_cache(maxsize=None)
+def of_drive() -> Diagnosis:
+    """Diagnose the drive from its linear model, which has the wrong drag."""
+    return diagnosed(drive(), nominal(
+        environment__stiffness=0.0, environment__damping=300.0, environment__inertia=MASS,
+        environment__unilateral=False))
+
+
+@pytest.mark.slow
+def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
+    found = of_drive()
+    assert found.verdict == 'physics_missing'
+    assert sorted(named(found)) == ['coulomb_friction', 'force_bias']
+    values = {effect.name: effect.parameters for effect in found.effects}
+    assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
+    assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
