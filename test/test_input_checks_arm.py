@@ -79,9 +79,9 @@ def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part:
     texts = {'wrench_frame_id': 'set frame_id',
              'joint_states_joint_unknown': 'choose one of these'}
     rejections = Rejections(lambda reason: texts.get(reason, ''), lambda: '3 s behind')
-    found, text = rejections.newly(counts, 0)
+    found, text = rejections.new_warnings(counts, 0)
     assert found == name and part in text
-    assert rejections.newly(counts, 0) == ('', '')
+    assert rejections.new_warnings(counts, 0) == ('', '')
 
 
 def test_zero_stamps_are_counted_as_such() -> None:
