@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 import sys
 
-from contact_estimation.diagnosis.compare.comparison_file import of_dict
+from contact_estimation.diagnosis.compare.beam import of_dict
 from contact_estimation.diagnosis.compare.constants import CONSTANTS
 
 MODELS = 3

@@ -11,9 +11,8 @@ from typing import Sequence
 
 from contact_estimation.diagnosis.compare.beam import Compared
 from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
-from contact_estimation.diagnosis.compare.evidence import Evidence, of_families, Scored
+from contact_estimation.diagnosis.compare.evidence import Evidence, explained, of_families, Scored
 from contact_estimation.diagnosis.compare.names import name
-from contact_estimation.diagnosis.compare.shares import explained
 import numpy as np
 import pytest
 from scipy.integrate import quad

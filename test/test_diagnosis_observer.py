@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
-from contact_estimation.diagnosis.fit.credible import is_credible
+from contact_estimation.diagnosis.fit.applicable import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.result import Value
-from contact_estimation.diagnosis.report.corrected_model import model_file
-from contact_estimation.diagnosis.report.json_report import as_dict
+from contact_estimation.diagnosis.report.json_report import as_dict, model_file
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build

@@ -24,15 +24,14 @@ from .command_line import (
 from .diagnose_arm import run as run_arm
 from .progress import Progress
 from .reading_options import add_tare_option, reading_of
-from ..diagnosis.compare.comparison_file import as_dict as comparison
+from ..diagnosis.compare.beam import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.conclude.simulated import diagnose_simulation, simulation_text
 from ..diagnosis.fit.free_run import plant_of
 from ..diagnosis.observe.read_recording import read_recording
-from ..diagnosis.report.corrected_model import model_file
-from ..diagnosis.report.json_report import as_dict
+from ..diagnosis.report.json_report import as_dict, model_file
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError

@@ -19,9 +19,9 @@ from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
 from ..diagnosis.arm.text import as_dict, as_text, headline
-from ..diagnosis.compare.comparison_file import as_dict as comparison
+from ..diagnosis.compare.beam import as_dict as comparison
 from ..diagnosis.conclude.result import Diagnosis
-from ..diagnosis.report.corrected_model import model_file
+from ..diagnosis.report.json_report import model_file
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..kinematics.arm_dynamics import ArmDynamics

@@ -16,8 +16,8 @@ from .inertia import possible_inertial
 from .result import ArmEffect
 from .space import ArmModels, label
 from ..compare.beam import Compared
+from ..compare.evidence import share_of
 from ..compare.names import Named
-from ..compare.shares import share_of
 from ..conclude.result import Value
 from ...kinematics.arm_dynamics import PER_LINK
 from ...physics.joints import JOINT_EFFECTS

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping, NamedTuple, Sequence
 
-from . import experiment, sensors, signs_and_axes, stamps, units
+from . import experiment, sensors, signs_and_axes, stamps
 from .check import Check, of_families, Test
 from .evidence import Evidence
 from ..observe.signals import check_signals, Recording
@@ -38,9 +38,11 @@ CHECKS: Mapping[str, Test] = {
     'force_sign': Test(signs_and_axes.force_sign, after=('clock_offset',),
                        put_right=signs_and_axes.inverted),
     'position_sign': Test(signs_and_axes.position_sign, after=('clock_offset',)),
-    'length_unit': Test(units.length_unit, after=('clock_offset', 'force_sign', 'position_sign')),
+    'length_unit': Test(
+        signs_and_axes.length_unit, after=('clock_offset', 'force_sign', 'position_sign')),
     'force_unit': Test(
-        units.force_unit, after=('clock_offset', 'force_sign', 'position_sign', 'length_unit')),
+        signs_and_axes.force_unit,
+        after=('clock_offset', 'force_sign', 'position_sign', 'length_unit')),
     'command_topic': Test(experiment.command_topic, after=_RIGHT),
     'reference_clock': Test(stamps.reference_clock, after=(*_RIGHT, 'command_topic')),
     'reference_rates': Test(experiment.reference_rates, after=('clock_offset', 'command_topic')),

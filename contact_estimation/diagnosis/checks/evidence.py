@@ -15,10 +15,9 @@ from scipy.signal import correlate, correlation_lags, savgol_filter
 from .measures import (
     Early, Lag, Line, line_through, LITTLE, MOST, MUCH, Onset, Overlap, SLIGHT, Smooth,
 )
-from ..observe.pace import pace_of
 from ..observe.parts import continuous_parts
 from ..observe.signals import LEAST_SAMPLES, Recording, Signals
-from ..observe.smoothing import white_noise_std
+from ..observe.smoothing import pace_of, white_noise_std
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 from ...signals.stream_faults import CLEAR

@@ -14,7 +14,7 @@ import numpy as np
 from .check import Check, Finding
 from .evidence import Evidence
 from .measures import bend_of, FOLLOWS, line_through, LISTED, LITTLE, MUCH, STRAIGHT
-from ..observe.reference import lacks_rates
+from ..observe.signals import lacks_rates
 from ...signals.stream_faults import CLEAR
 
 _VARIES = sqrt(2.0)  # spread in the white noise from which on as much is signal

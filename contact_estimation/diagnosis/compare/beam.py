@@ -6,11 +6,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, NamedTuple, Protocol, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 
 import numpy as np
 
+from .constants import Constants
 from .evidence import Evidence, Scored
+
 
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
 LAWS = 3  # of a model of one contact
@@ -114,3 +116,39 @@ def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     c = evidence.constants
     least = float(evidence.log_likelihoods(perfect)[1].sum()) + evidence.log_prior(perfect)
     return least - c.parameter - c.law > max(evidence.score(one), evidence.score(best) - _NEAR)
+
+
+_MOST = 60  # models: the others weigh nothing
+
+
+def as_dict(compared: Compared) -> dict[str, Any]:
+    """Return the errors of all likely models on parts left out, ready for JSON."""
+    evidence, likely = compared.evidence, compared.models[:_MOST]
+    return {
+        'instrument': evidence.instrument.tolist(), 'as_force': evidence.as_force.tolist(),
+        'white': evidence.white,
+        'base': _scored(evidence.base),
+        'models': [_scored(one) for one in likely if one is not evidence.base],
+    }
+
+
+def _scored(one: Scored) -> dict[str, Any]:
+    return {
+        'effects': list(one.effects), 'families': list(one.families), 'rank': one.rank,
+        'left_out': one.left_out.tolist(), 'fitted': one.fitted.tolist(),
+        'counts': one.counts.tolist(), 'parameters': one.parameters, 'laws': one.laws,
+        'curves': one.curves,
+    }
+
+
+def of_dict(data: Mapping[str, Any], constants: Constants) -> Compared:
+    """Return compared models, as they are with certain constants."""
+    base, *others = (
+        Scored(tuple(one['effects']), tuple(one['families']), tuple(one['rank']),
+               np.array(one['left_out']), np.array(one['fitted']), np.array(one['counts']),
+               one['parameters'], one['laws'], one['curves'])
+        for one in (data['base'], *data['models']))
+    evidence = Evidence(base, np.array(data['instrument']), np.array(data['as_force']), constants,
+                        white=data['white'])
+    evidence = evidence.informed_by([base, *others])
+    return Compared(evidence, evidence.ranked([base, *others]))

@@ -8,9 +8,8 @@ from __future__ import annotations
 from typing import Callable, NamedTuple, Sequence
 
 from .beam import Compared
-from .evidence import Evidence, of_families, Scored
+from .evidence import Evidence, explained, of_families, Scored, Share, share_of
 from .order import ranked_by, ZEROS
-from .shares import explained, Share, share_of
 
 _LISTED = 3  # effects in the place of one, at most
 

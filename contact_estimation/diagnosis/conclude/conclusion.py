@@ -14,20 +14,17 @@ from numpy.typing import NDArray
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
-from .naming import advice, nearly
+from .next_experiment import advice, nearly
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
 from .views import Progress, Seen
-from ..compare.evidence import Scored
+from ..compare.evidence import explained, Scored, share_of
 from ..compare.names import name, Named, parts, without_least
 from ..compare.order import ranked_by, ZEROS
-from ..compare.shares import explained, share_of
 from ..fit.applicable import untried
-from ..fit.discrepancy import material
+from ..fit.discrepancy import material, standard_deviations
 from ..fit.fitting import cost_of, Fit, fit
-from ..fit.free_run import free_run
+from ..fit.free_run import free_run, refine
 from ..fit.model_uncertainty import discounted
-from ..fit.output_error import refine
-from ..fit.uncertainty import standard_deviations
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.residuals import force_residual

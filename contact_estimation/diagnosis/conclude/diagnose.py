@@ -11,7 +11,7 @@ from typing import Sequence
 import numpy as np
 
 from .conclusion import conclude
-from .naming import diagnose_apart
+from .next_experiment import diagnose_apart
 from .result import Diagnosis, refuse
 from .views import best_view, compare, Given, Progress, Seen
 from ..checks import examine
@@ -22,8 +22,7 @@ from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare
-from ..observe.reference import with_reference_rates
-from ..observe.signals import Recording
+from ..observe.signals import Recording, with_reference_rates
 from ..observe.usable_samples import held_at_rest, without_held_samples
 from ...exceptions import ParameterRangeError
 from ...plant.plant_parameters import PlantParameters

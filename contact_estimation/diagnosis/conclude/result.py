@@ -16,7 +16,7 @@ from .dependence import Dependence
 from .location import Location
 from ..checks.check import Check
 from ..compare.beam import Compared
-from ..compare.shares import Share
+from ..compare.evidence import Share
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 

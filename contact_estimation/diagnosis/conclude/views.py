@@ -22,15 +22,14 @@ from ..compare.beam import Compared, refit, search
 from ..compare.evidence import Scored
 from ..fit.fitting import Fit, fit
 from ..fit.free_run import free_run
+from ..fit.left_out import Part
 from ..fit.model_uncertainty import discounted, without_ripple
-from ..fit.parts import Part
 from ..fit.space import ContactModels
 from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
-from ..observe.reference import with_held_reference
-from ..observe.signals import Recording
+from ..observe.signals import Recording, with_held_reference
 from ...physics import EFFECTS
 from ...plant.sampled_signals import BETWEEN
 

@@ -5,16 +5,19 @@
 
 from __future__ import annotations
 
-import dataclasses
+from dataclasses import replace
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, sum_of_squares
 from ..observe.driven_wall import DrivenWall
 from ..observe.model import Model
 from ..observe.observed import Observed
+from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.residuals import huber
 from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
 from ...physics import EFFECTS
@@ -22,6 +25,7 @@ from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters
 from ...plant.simulation import simulate_on
+
 
 Array = NDArray[np.float64]
 
@@ -103,7 +107,7 @@ def free_run(model: Model, observed: Observed) -> Run:
     o = observed
     if o.reference is None:
         return Run(_free_wall(model, o), o.force)
-    parameters = dataclasses.replace(
+    parameters = replace(
         plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h,
     )
     v = float(o.v[0]) if o.starts_moving else 0.0
@@ -120,6 +124,82 @@ def _free_wall(model: Model, o: Observed) -> Array:
     least = _CONVERGED * float(np.ptp(o.x))
     if np.isfinite(further).all() and float(np.max(np.abs(further - run))) < least:
         return run
-    plant = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
+    plant = replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
     x, v = wall.free(1)[:, 0].tolist()
     return run_driven_wall(plant, o.t, o.driving, x, v, float(o.t[0]))
+
+
+_STEP = 1e-3  # relative, of the finite differences
+_CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
+_ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
+_ROUNDS = 8  # rounds in which the free run of a wall converges
+_MOST_TRIES, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
+_WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
+
+
+def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+    """Minimise the output error."""
+    if not found.model.nominal.environment.unilateral:
+        return _refine_wall(recordings, found)
+    runs = _free_runs(recordings, found.model)
+    if not all(_close(one, run, _CLOSE) for one, run in zip(recordings, runs)):
+        return recordings, found
+    model = _least_output_error(recordings, found.model, runs)
+    refined = fit_at(recordings, model)
+    kept = refined.cost <= _ALIKE * found.cost and model.plausible()
+    return recordings, refined if kept else found
+
+
+def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+    iterated = [replace(recording, picard_rounds=_ROUNDS) for recording in recordings]
+    refined = fit_to_end(iterated, fit(iterated, found.model))
+    if refined.cost <= _WORSE * found.cost and refined.model.plausible():
+        return iterated, refined
+    # The iteration does not converge for a strongly nonlinear wall.
+    return [replace(recording, picard_rounds=1) for recording in recordings], found
+
+
+def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run]) -> Model:
+    """Search the values of least output error from those of a model with these free runs."""
+    def errors(these: Array) -> Array:
+        there = model.with_free(these)
+        return _errors(recordings, runs if there == model else _free_runs(recordings, there))
+
+    low, high = model.ranges
+    search = SecantJacobian(errors, model.steps, high, _STEP)
+    values = model.coordinates
+    here = search.residuals(values)
+    for _ in range(_MOST_TRIES):
+        jacobian = search.jacobian(values) * model.steps
+        change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0]
+        foretold = sum_of_squares(here + jacobian @ change)
+        tried = np.clip(values + change * model.steps, low, high)
+        there = search.residuals(tried)
+        before, after = sum_of_squares(here), sum_of_squares(there)
+        if after < before:
+            values, here = tried, there
+        if after > _SLOWLY * before:
+            little = foretold > _SLOWLY * before and after < _AS_FORETOLD * before
+            if little or not search.updated:
+                break
+            search.renew()  # the updated Jacobian points astray
+    return model.with_free(values)
+
+
+def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
+    error = (recording.observed.raw_position - run.position)[recording.use]
+    return float(np.std(error)) < bound * recording.motion.error
+
+
+def _free_runs(recordings: Recordings, model: Model) -> list[Run]:
+    return [free_run(model, recording.observed) for recording in recordings]
+
+
+def _errors(recordings: Recordings, runs: Sequence[Run]) -> Array:
+    parts = []
+    for recording, run in zip(recordings, runs):
+        o = recording.observed
+        parts += [recording.motion.average(o.raw_position - run.position),
+                  recording.force.average(o.force - run.force)]
+    return huber(np.concatenate(parts))

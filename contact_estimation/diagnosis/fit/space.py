@@ -12,14 +12,11 @@ from typing import Callable, NamedTuple, Sequence, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .applicable import candidates_in
-from .credible import is_credible
+from .applicable import candidates_in, is_credible
 from .discrepancy import CHANNELS, force_of_motion, weighed
 from .fitting import Fit, fit, fit_at
-from .left_out import Linearised
-from .parts import Part, parts_of
-from .scales import measure_scales
-from .screening import Screening, Step
+from .left_out import Linearised, Part, parts_of
+from .screening import measure_scales, Screening, Step
 from ..compare.constants import CONSTANTS
 from ..compare.evidence import Evidence, Scored
 from ..compare.order import prior, ranked, ZEROS

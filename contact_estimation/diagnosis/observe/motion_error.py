@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from .pace import is_slow
-from .smoothing import differentiate, rate_noise
+from .smoothing import differentiate, is_slow, rate_noise
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,7 @@ from .model import Model
 from .motion_error import lost_by_lines
 from .observed import Observed
 from .observer import innovations_of
-from .pace import is_slow
-from .smoothing import least_noise, white_noise_std
+from .smoothing import is_slow, least_noise, white_noise_std
 from ...physics.numeric import SecondOrder
 
 Array = NDArray[np.float64]

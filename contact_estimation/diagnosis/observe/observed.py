@@ -15,12 +15,10 @@ from scipy.interpolate import CubicHermiteSpline
 
 from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import OBSERVER_CUTOFF, run
-from .pace import cycle_frequency, pace_of
 from .signals import check_signals, Signals
 from .smoothing import (
-    differentiate, rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ,
-    white_noise_std,
-)
+    cycle_frequency, differentiate, pace_of, rate_noise, slower_by_force, smooth, smooth_enough,
+    STEADY_CUTOFFS_HZ, white_noise_std)
 from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters

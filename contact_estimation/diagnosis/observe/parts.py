@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .pace import pace_of
 from .signals import check_signals, LEAST_SAMPLES, Recording, Signals
-from .smoothing import white_noise_std
+from .smoothing import pace_of, white_noise_std
 from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
-from .link import run_jointed
+from .link import at_touch_down, run_jointed
 from .model import Laws, Model
 from .observer import innovations, innovations_of, run
 from .prepared_recording import PreparedRecording
-from .touch_down import at_touch_down
 from ...physics.numeric import discretise
 from ...physics.robot_law import RobotLaw
 

@@ -21,7 +21,7 @@ from .wording import (
     tested_dependences,
     trifle,
 )
-from ..conclude.naming import listed
+from ..conclude.next_experiment import listed
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 from ..observe.model import names_of
 

@@ -13,8 +13,7 @@ from typing import Any, Iterable, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from .family_scoring import of_families
-from ...diagnosis.compare.beam import Compared
-from ...diagnosis.compare.comparison_file import of_dict
+from ...diagnosis.compare.beam import Compared, of_dict
 from ...diagnosis.compare.constants import CONSTANTS, Constants
 from ...exceptions import ParameterRangeError
 from ...physics import EFFECTS
