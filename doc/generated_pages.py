@@ -133,7 +133,7 @@ STABILITY = (
     ('`stability`', 'the admittance has a phase margin of 20 deg, less than 45, on this wall (it '
      'bears 3.2e+04 N/m); raise stability.damping (B_t) to 560 N s/m',
      'The gains of `stability.*` are too weak, or their delay too long, for K_e as estimated.',
-     'Change the gains of the controller; see [](../stable_gains.md).', 'go on'),
+     'Change the gains of the controller; see [](stable_gains.md).', 'go on'),
 )
 
 GRAPH = (

@@ -35,7 +35,8 @@ DURATION = 6.5
 def described(friction: float = 1.0, mass: float = 1.0) -> str:
     """Return the description with a share of the true friction and of the true masses."""
     root = ElementTree.fromstring(arm_description('elbow_6r'))
-    for k, joint in enumerate(root.findall('joint')):
+    moving = [one for one in root.findall('joint') if one.get('type') != 'fixed']
+    for k, joint in enumerate(moving):
         ElementTree.SubElement(joint, 'dynamics', {
             'friction': str(friction * F_C[k]), 'damping': str(friction * B[k]),
             'armature': str(friction * ARMATURE[k])})

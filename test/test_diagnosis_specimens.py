@@ -44,9 +44,10 @@ def families(found: Diagnosis) -> set[str]:
 
 
 @pytest.mark.slow
-def test_both_laws_are_named() -> None:
+def test_law_and_loss_are_named() -> None:
     found = diagnosis()
-    assert families(found) == {'elastic_law', 'relaxation'}
+    assert found.effects[0].family == 'elastic_law'
+    assert found.effects[1].family in ('relaxation', 'friction')  # one loop, at one speed
     assert found.verdict == 'physics_missing'
 
 

@@ -121,7 +121,7 @@ class EstimationPipeline:
 
     def _await_touch(self) -> None:
         self._first_touch = FirstTouch(self._compensation.forces)
-        self._inside, self._let_go, self._x, self._last_x = False, False, nan, nan
+        self._inside, self._let_go, self._x, self._last_d = False, False, nan, nan
 
     def _compensate(self) -> None:
         """Build what follows known physics; its clock, and dents, outlive a reset."""
@@ -367,7 +367,7 @@ class EstimationPipeline:
             if conditioner.tracker is not None and posterior.contact.is_quiet:
                 conditioner.tracker.correct(pressing - self.free_flight_level, self.noise_std)
         if self.force_errors or conditioner.tracker is not None:
-            self._note_lasting(state, dt, x, v)
+            self._note_lasting(state, dt, x - location, v)
         if location != location:
             self._locate(state, dt, x, v, pressing)
         if known is None and self._of_rows is None:
@@ -451,17 +451,17 @@ class EstimationPipeline:
             self._published = self._published_of(*self._by_posterior(state), 0.0)
         return self._published
 
-    def _note_lasting(self, state: int, dt: float, x: float, v: float) -> None:
+    def _note_lasting(self, state: int, dt: float, d: float, v: float) -> None:
         """Add up what errors of the force that last may have done to the estimate."""
-        rate = v if v == v else (x - self._last_x) / dt if dt > 0.0 else 0.0
-        self._last_x, tracker = x, self._conditioner.tracker
+        rate = v if v == v else (d - self._last_d) / dt if dt > 0.0 else 0.0
+        self._last_d, tracker = d, self._conditioner.tracker
         if self.force_errors:
             self.posterior.contact.expect_noise(hypot(*self.force_errors))
-        if state != CONTACT:
+        if state != CONTACT or rate != rate:
             self._lasting.end()
             return
         of_zero = (tracker.zero_std * self.noise_std,) if tracker is not None else ()
-        self._lasting.add(x, rate, (*self.force_errors, *of_zero))
+        self._lasting.add(d, rate, (*self.force_errors, *of_zero))
 
     def _note_fit(self, stamp_ns: int, state: int) -> None:
         """Let the monitor judge the fit of what is known anew."""

@@ -16,7 +16,8 @@ from .evidence import Evidence, Scored
 
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
 LAWS = 3  # of a model of one contact
-# Extensions that are fitted to the end; nats below the best, from where that may bring one back.
+# Extensions that are fitted to the end, since a law may prove exact only there; beside a law
+# those so many nats below the best at most.
 _REFINED, _FAR = 2, 10.0
 _NEAR = 3.0  # nats below the best: a twentieth of its weight
 
@@ -81,7 +82,7 @@ def search(
                 _keep(evidence, pool, rough)
             best = evidence.score(evidence.ranked(pool.values())[0])
             for rough in extended[:_REFINED]:
-                if evidence.score(rough) > best - _FAR:
+                if not one.laws or evidence.score(rough) > best - _FAR:
                     _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
     for sibling in space.siblings(evidence.ranked(pool.values())[0]):

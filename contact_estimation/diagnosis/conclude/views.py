@@ -220,11 +220,11 @@ def _smoothed_with(model: Model, seen: Seen) -> Recordings | None:
 def best_view(given: Given, progress: Progress) -> Seen:
     """Compare the models in the usual view, and in others that promise more."""
     seen = compare(View(given), progress)
-    for alternatives in (_between, _surfaces, _stamps, _held_reference):
+    for alternatives in (_between, _held_reference, _surfaces, _stamps):
         for view in alternatives(seen):
             progress('another view')
             other = _refitted(view, seen, progress)
-            if _score(other) <= _score(seen) - _AS_LIKELY:
+            if _gain(other, seen) <= -_AS_LIKELY:
                 continue
             other = compare(view, progress, seen.models.parts)
             if _promises(other, seen):
@@ -299,14 +299,22 @@ def _refitted(view: View, seen: Seen, progress: Progress) -> Seen:
     return Seen(view, recordings, base, models, refit(models, known))
 
 
-def _score(seen: Seen) -> float:
-    """Return the score of the best model of a view, less the log prior odds against the view."""
-    return seen.compared.score - seen.view.changes * seen.compared.evidence.constants.law
+def _gain(other: Seen, seen: Seen) -> float:
+    """Return how much more a view scores, both with the least noise; a drive has its own."""
+    scores, of_other, of_seen = [], other.compared.evidence.noise, seen.compared.evidence.noise
+    for one in (other, seen):
+        evidence = one.compared.evidence
+        if of_other is not None and of_seen is not None and not seen.driven and (
+                of_other.shape == of_seen.shape):
+            evidence = replace(evidence, noise=np.minimum(of_other, of_seen))
+        best = max(evidence.score(model) for model in one.compared.models)
+        scores.append(best - one.view.changes * evidence.constants.law)
+    return scores[0] - scores[1]
 
 
 def _promises(other: Seen, seen: Seen) -> bool:
     """Return whether a view is likelier, or a course of the force as likely and leaves less."""
-    gain = _score(other) - _score(seen)
+    gain = _gain(other, seen)
     if other.view.between == seen.view.between or gain < -_AS_LIKELY:
         return gain > 0.0
     left = [float(np.sum(one.best.counts * one.best.left_out)) for one in (other, seen)]
