@@ -180,11 +180,10 @@ class ArmDynamics:
             [kg].
 
         """
-        zero = np.zeros(len(self.joints))
         along = np.einsum('nij,j->ni', self.axes(q, frame).transpose(0, 2, 1), normal)
         rows = np.einsum('nij,ni->nj', self.jacobian(q, frame)[:, :3], along)
-        return np.array([1.0 / (row @ np.linalg.solve(self.forward(x, zero, zero)[0], row))
-                         for x, row in zip(q, rows)])
+        return np.array([1.0 / (row @ np.linalg.solve(
+            self._inertia(self.configuration(x)), row)) for x, row in zip(q, rows)])
 
     def regressor(self, q: Array, v: Array, a: Array) -> Array:
         """Return Y with tau = Y theta in the parameters of all links, shape (N, n, 10 n)."""
@@ -205,10 +204,14 @@ class ArmDynamics:
 
     def forward(self, q: Array, v: Array, drag: Array) -> tuple[Array, Array]:
         """Return the inertia matrix M (n, n) and C q' + g + drag (n,) at one instant."""
-        pin, x = self._library, self.configuration(q)
-        M = pin.crba(self.model, self.data, x)
-        M = np.triu(M) + np.triu(M, 1).T
-        return M, pin.nonLinearEffects(self.model, self.data, x, v) + drag
+        x = self.configuration(q)
+        M = self._inertia(x)
+        return M, self._library.nonLinearEffects(self.model, self.data, x, v) + drag
+
+    def _inertia(self, x: Array) -> Array:
+        """Return M at a configuration, of which Pinocchio fills the upper triangle only."""
+        M = self._library.crba(self.model, self.data, x)
+        return np.asarray(np.triu(M) + np.triu(M, 1).T)
 
     def momentum(self, q: Array, v: Array) -> tuple[Array, Array]:
         """
@@ -223,8 +226,7 @@ class ArmDynamics:
 
         """
         pin, x = self._library, self.configuration(q)
-        M = pin.crba(self.model, self.data, x)
-        M = np.triu(M) + np.triu(M, 1).T
+        M = self._inertia(x)
         C = pin.computeCoriolisMatrix(self.model, self.data, x, v)
         g = pin.computeGeneralizedGravity(self.model, self.data, x)
         return M @ v + self.armature * v, C.T @ v - g
