@@ -20,6 +20,7 @@ LAWS = 3  # of a model of one contact
 # those so many nats below the best at most.
 _REFINED, _FAR = 2, 10.0
 _NEAR = 3.0  # nats below the best: a twentieth of its weight
+_MOST = 60  # models in a file: the others weigh nothing
 
 
 class Space(Protocol):
@@ -117,9 +118,6 @@ def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     c = evidence.constants
     least = float(evidence.log_likelihoods(perfect)[1].sum()) + evidence.log_prior(perfect)
     return least - c.parameter - c.law > max(evidence.score(one), evidence.score(best) - _NEAR)
-
-
-_MOST = 60  # models: the others weigh nothing
 
 
 def as_dict(compared: Compared) -> dict[str, Any]:

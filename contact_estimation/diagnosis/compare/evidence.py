@@ -33,6 +33,10 @@ Array = NDArray[np.float64]
 
 _NOISE_IS_KNOWN = 1.2  # factor by which it may be larger than measured
 _DRAWS = 400  # of the Bayesian bootstrap: probabilities to two and a half per cent at worst
+_TWO_SIDED = 1.96  # standard deviations of a 95 % interval
+_LEAST = 0.01  # of the mean misfit, or of noise: the least misfit of a part
+_ALL_IN_ONE = 1e-3  # share of the misfit in all parts but one: a jackknife tells nothing
+_OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,12 +206,6 @@ def of_families(models: Sequence[Scored], weights: Array) -> Mapping[str, float]
         for family in sorted(one.named):
             found[family] = found.get(family, 0.0) + weight
     return found
-
-
-_TWO_SIDED = 1.96  # standard deviations of a 95 % interval
-_LEAST = 0.01  # of the mean misfit, or of noise: the least misfit of a part
-_ALL_IN_ONE = 1e-3  # share of the misfit in all parts but one: a jackknife tells nothing
-_OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
 
 
 class Share(NamedTuple):

@@ -40,6 +40,7 @@ _MOST_LAGS = 200
 _WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
 _MATERIAL = 0.006  # of the range of the force
 _MATCHED = 0.05  # relative, of the size of an unknown force
+_CLUSTER_S = 0.5
 
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
@@ -155,9 +156,6 @@ def correlation_time(left: Array) -> float:
             break
         total += 2.0 * correlation
     return total
-
-
-_CLUSTER_S = 0.5
 
 
 def standard_deviations(recordings: Recordings, found: Fit) -> Array:
