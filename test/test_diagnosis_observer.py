@@ -16,6 +16,7 @@ from contact_estimation.diagnosis.observe.observer import (
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.effect import Need
 from contact_estimation.physics.numeric import discretise
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
@@ -102,7 +103,7 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
         'beating_environment', 'bouc_wen_hysteresis', 'fractional_relaxation', 'free_play',
         'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
     assert 'environment_inertia' not in names
-    assert not any(EFFECTS[name].needs_touch for name in names)
+    assert not any(Need.TOUCH in EFFECTS[name].needs for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
 
 

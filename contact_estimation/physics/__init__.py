@@ -121,8 +121,7 @@ EFFECTS: dict[str, type[Effect]] = {
 
 PhysicsParameters: type[ParameterGroup] = make_dataclass(
     'PhysicsParameters',
-    [(name, effect.Parameters, group(effect.Parameters, effect.description))
-     for name, effect in EFFECTS.items()],
+    [(name, effect, group(effect, effect.description)) for name, effect in EFFECTS.items()],
     bases=(ParameterGroup,),
     frozen=True,
 )
@@ -135,11 +134,8 @@ def effects_that_are_on(
     """
     Return the effects whose parameters are given.
 
-    physics: parameters of all effects; NaN means off
+    physics: all effects; NaN means off
     sign_velocity: width of the smooth sign of a velocity [m/s]
     """
-    made = (cls.when_on(getattr(physics, name)) for name, cls in EFFECTS.items())
-    effects = [effect for effect in made if effect is not None]
-    for effect in effects:
-        effect.sign_velocity = sign_velocity
-    return effects
+    effects: list[Effect] = [getattr(physics, name) for name in EFFECTS]
+    return [effect.with_sign(sign_velocity) for effect in effects if effect.is_on()]

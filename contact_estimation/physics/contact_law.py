@@ -12,13 +12,14 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_effect import ContactEffect, HOOKS, overridden
+from .contact_effect import ContactEffect
 from .effect import Effect
 from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
 State = tuple[float, ...]
 _KEPT = KeptMotion()
+_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 
 
 class Touch(NamedTuple):
@@ -50,9 +51,7 @@ class ContactLaw:
         self.inertia = inertia + sum(effect.inertia for effect in wall)
         self.pull = sum(effect.pull for effect in wall)
         self.states = sum(effect.states for effect in wall)
-        self._exponent = 1.0
-        for effect in wall:
-            self._exponent *= effect.exponent
+        self._exponent = math.prod(effect.exponent for effect in wall)
         placed, first = [], 0
         for effect in wall:
             placed.append((effect, slice(first, first + effect.states)))
@@ -63,6 +62,11 @@ class ContactLaw:
          self._carriers, self._resistances, self._tails) = (
             [placed[k] for k in numbers] for numbers in users)
         self._stateful = [place for place in placed if place[0].states]
+
+    @property
+    def replaces_stiffness(self) -> bool:
+        """Whether an effect is in the place of K_e."""
+        return bool(self._springs)
 
     @property
     def bends_stiffness(self) -> bool:
@@ -114,12 +118,12 @@ class ContactLaw:
     def _resistance(self, t: Any, d: Any, v: Any, states: Any, m: Any) -> Any:
         deflection = d
         for effect, _ in self._deflections:
-            deflection = effect.deflection(deflection, m)
+            deflection = effect.deflection(t, deflection, m)
         spring, damper = self.stiffness * deflection, self.damping * v
         for effect, _ in self._springs:
-            spring = effect.spring(t, d, spring, m)
+            spring = effect.spring(d, m)
         for effect, _ in self._dampers:
-            damper = effect.damper(d, v, damper, self._exponent, m)
+            damper = effect.damper(d, v, self._exponent, m)
         resistance = spring + damper
         for effect, _ in self._carriers:
             resistance = effect.carried(d, spring, damper, m)
@@ -233,12 +237,12 @@ def _users_of_hooks(
     kinds: tuple[type[ContactEffect], ...],
 ) -> tuple[tuple[tuple[int, ...], ...], bool]:
     """Return for each hook which effects override it, and whether none does but for a tail."""
-    changed = [overridden(kind) for kind in kinds]
-    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in HOOKS)
+    changed = [kind.changes.intersection(_HOOKS) for kind in kinds]
+    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in _HOOKS)
     return users, not any(hooks - {'tail'} for hooks in changed)
 
 
 def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
     """Return an effect's type and the values on which its states and motion depend."""
     return type(effect), tuple(
-        value for name, value in vars(effect.values).items() if name not in effect.weights)
+        value for name, value in effect.values().items() if name not in effect.weights)

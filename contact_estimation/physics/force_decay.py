@@ -1,24 +1,18 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Force sensor whose reading decays under load."""
+"""Decay of the reading of the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .force_creep import ForceCreep, ForceCreepParameters
+from .effect import Need
+from .force_creep import ForceCreep
 from ..parameters.specification import optional_parameter
 
 
 @dataclass(frozen=True)
-class ForceDecayParameters(ForceCreepParameters):
-    """Parameters of `ForceDecay`."""
-
-    share: float = optional_parameter(
-        'Force that vanishes in time, as a share of that at once', '1', minimum=0.0)
-
-
 class ForceDecay(ForceCreep):
     """
     F - share y, tau y' + y = F: the creep of a load cell with the other sign.
@@ -27,12 +21,10 @@ class ForceDecay(ForceCreep):
     is off, or a robot that feels the true force, to tell.
     """
 
-    name = 'force_decay'
+    share: float = optional_parameter(
+        'Force that vanishes in time, as a share of that at once', '1', minimum=0.0)
+
     equation = "F_measured = F_e - share y, tau y' + y = F_e"
     description = 'The force sensor creeps: part of a force vanishes with time.'
-    Parameters = ForceDecayParameters
-    needs_touch = True
-
-    def __init__(self, values: ForceDecayParameters) -> None:
-        super().__init__(values)
-        self._share = -values.share
+    needs = frozenset({Need.TOUCH})
+    sign = -1.0

@@ -87,8 +87,7 @@ class KnownWall:
         )
         self.acts, self.inertia = bool(self._law.effects), self._law.inertia
         self.free_force = float(self._law.tail(-_FAR, 0.0, (0.0,) * self._law.states, math))
-        replaced = any(effect.replaces_stiffness for effect in self._law.effects)
-        self._placeholder = initial_stiffness if replaced else 0.0
+        self._placeholder = initial_stiffness if self._law.replaces_stiffness else 0.0
         self._memory = memory
         self._kept: deque[Motion] = deque(maxlen=_KEPT if self.acts or memory else 3)
         self._rest()

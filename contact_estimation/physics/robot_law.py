@@ -11,7 +11,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from .effect import Effect
-from .force_lag import ForceLag, ForceLagParameters
+from .force_lag import ForceLag
 from .numeric import Array
 from .robot_effect import RobotEffect
 
@@ -36,17 +36,17 @@ class RobotLaw:
         self, mass: float, damping: float, stiffness: float, effects: Sequence[Effect]
     ) -> None:
         arm = [effect for effect in effects if isinstance(effect, RobotEffect)]
-        self._feed_forward = mass * math.prod(effect.mass_scale for effect in arm)
-        self.damping = damping * math.prod(effect.damping_scale for effect in arm)
-        self.stiffness = stiffness * math.prod(effect.stiffness_scale for effect in arm)
+        for effect in arm:
+            mass, damping, stiffness = effect.impedance(mass, damping, stiffness)
+        self._feed_forward, self.damping, self.stiffness = mass, damping, stiffness
         self.mass = self._feed_forward + sum(effect.reflected_inertia for effect in arm)
         self.reference_delay = sum(effect.reference_delay for effect in arm)
-        self._lag = sum(effect.actuator_lag for effect in arm)
+        self._lag = sum(effect.lag for effect in arm)
         joints = [effect.joint(self._feed_forward) for effect in arm]
         self.joint = next((joint for joint in joints if joint is not None), None)
         self.states = 2 * (self.joint is not None) + (self._lag > 0.0)
-        self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
-        self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
+        self._controls = [effect for effect in arm if 'control' in effect.changes]
+        self._drags = [effect for effect in arm if 'drag' in effect.changes]
 
     def impedance_force(self, x: Any, v: Any, reference: Any) -> Any:
         """
@@ -138,7 +138,7 @@ class RobotLaw:
         """
         u = self.control(x, v, reference, np)
         if self._lag:
-            u = ForceLag(ForceLagParameters(tau=self._lag)).sense_along(t, u, u)
+            u = ForceLag(self._lag).sense_along(t, u, u)
         return np.asarray(self.less_drag(u, v, np))
 
     @property

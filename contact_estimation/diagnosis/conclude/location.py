@@ -20,7 +20,7 @@ from ..observe.residuals import (
     residuals,
     response_to,
 )
-from ...physics.effect import Effect
+from ...physics.effect import Effect, Need
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -75,7 +75,7 @@ def locate(
     """Locate the misfit of a model."""
     parts = recording.split(residuals(recording, model)) ** 2
     port = acting.port if acting else guess_port(recording, model)
-    in_motion = acting.needs_robot if acting else port == 'robot'
+    in_motion = Need.ROBOT in acting.needs if acting else port == 'robot'
     energy = parts[-1] if in_motion else parts[0]
     return Location(
         port, intervals(recording, energy), _phase(energy, phases(recording, model)),

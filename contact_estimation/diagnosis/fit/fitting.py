@@ -127,8 +127,9 @@ def differentiate_by(
 
 def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
     """Differentiate residuals by the free values of a model, with steps that show its switches."""
-    lets_go = [EFFECTS[effect].lets_go for effect in model.effects for _ in names_of(effect)]
-    shares = np.where([False] * model.base_count + lets_go, _ACROSS, _STEP)[model.free]
+    steps = [_ACROSS if getattr(EFFECTS[effect], 'lets_go', False) else _STEP
+             for effect in model.effects for _ in names_of(effect)]
+    shares = np.array([_STEP] * model.base_count + steps)[model.free]
     return differentiate_by(
         model.coordinates, model.steps, function, here, shares, model.ranges[1])
 

@@ -18,9 +18,7 @@ from ..observe.model import Model
 from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
-from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
-from ...physics import EFFECTS
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters
@@ -47,8 +45,7 @@ def plant_of(model: Model) -> PlantParameters:
     if model.with_inertia:
         values['environment.inertia'] = model.values[2]
     for name in model.effects:
-        names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
-        for parameter, value in zip(names, model.values[model.place(name)]):
+        for parameter, value in model.effect(name).values().items():
             values[f'physics.{name}.{parameter}'] = value
     return build(PlantParameters, values)
 

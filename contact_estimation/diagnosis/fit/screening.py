@@ -16,11 +16,11 @@ from scipy.fft import next_fast_len
 
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
 from ..compare.order import prior, ranked_by
-from ..observe.model import Model, names_of
+from ..observe.model import Model, names_of, rescales_wall
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber
 from ...physics import EFFECTS
-from ...physics.drawn_effect import Scales, Tone
+from ...physics.prior import Scales, Tone
 
 
 Array = NDArray[np.float64]
@@ -202,9 +202,9 @@ class Screening:
         here, starts = self._straight(self.base.model, self.base.model.coordinates), []
         for name in self.names:
             models = [self.base.model.with_effect(name, values)
-                      for values in EFFECTS[name].starts(self.scales)]
+                      for values in EFFECTS[name].prior(self.scales).starts]
             starts += [self._start(model, here, False) for model in models]
-            if EFFECTS[name].rescales_wall:
+            if rescales_wall(name):
                 starts += [self._start(model.with_rescaled_wall(), here, True)
                            for model in models]
         return starts

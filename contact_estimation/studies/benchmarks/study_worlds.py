@@ -15,7 +15,7 @@ from scipy.signal import butter, lfilter
 
 from ...estimators.parameters import EnvironmentParameters
 from ...exceptions import MissingPackageError
-from ...physics.drawn_effect import log_uniform
+from ...physics.prior import log_uniform
 from ...signals.contact_sample import ContactSample
 from ...signals.synchronisation import SynchronisationParameters, Synchroniser
 
