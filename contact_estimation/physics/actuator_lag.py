@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Drives that follow the control force with a lag."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ _SLOWEST_S = 0.1  # of a force or torque loop
 @dataclass(frozen=True)
 class ActuatorLag(RobotEffect):
     """
-    M_t xdd = f + F_e, tau f' + f = u.
+    The drives deliver the control force with a lag.
 
     Eppinger and Seering, Proc. IEEE Conf. Robotics and Automation, 1987: actuator dynamics.
     """
@@ -26,7 +24,6 @@ class ActuatorLag(RobotEffect):
 
     equation = "M_t x'' = f + F_e, tau f' + f = u"
     family = 'timing'
-    description = 'The drives deliver the control force with a lag.'
 
     @property
     def lag(self) -> float:

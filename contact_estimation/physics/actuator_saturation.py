@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Saturation of the drives."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,13 +16,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ActuatorSaturation(RobotEffect):
-    """The control force u clipped to +-limit."""
+    """The drives cannot deliver the commanded force."""
 
     limit: float = optional_parameter('Largest force of the drives', 'N', minimum=0.0)
 
     equation = "M_t x'' = clip(u, +-limit) + F_e"
     family = 'limits'
-    description = 'The drives cannot deliver the commanded force.'
 
     def control(self, u: Number, m: Any) -> Number:
         return positive(u + self.limit, m) - positive(u - self.limit, m) - self.limit

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Adhesion between wall and tool."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,13 +20,16 @@ NECK = 1.5e-3
 
 @dataclass(frozen=True)
 class Adhesion(ContactEffect):
-    """In contact F_e <= F_a; then, withdrawing, F_e = F_a (1 + d / 1.5 mm) until d = -1.5 mm."""
+    """
+    The wall sticks to the tool and pulls it back on withdrawal.
+
+    In contact F_e <= F_a; then, withdrawing, F_e = F_a (1 + d / 1.5 mm) until d = -1.5 mm.
+    """
 
     F_a: float = optional_parameter('Largest pull of the wall', 'N', minimum=0.0)
 
     equation = 'F_e <= F_a in contact; F_e = F_a (1 + d / 1.5 mm) on leaving'
     family = 'adhesion'
-    description = 'The wall sticks to the tool and pulls it back on withdrawal.'
     needs = frozenset({Need.TOUCH})
     states = 1  # 1 from touch-down until the neck has torn
 

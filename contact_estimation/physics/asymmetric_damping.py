@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Damping that differs between the directions of motion."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -20,7 +18,9 @@ _PASSIVE = 1.1  # times B_e, with the error of a fit
 @dataclass(frozen=True)
 class AsymmetricDamping(ContactEffect):
     """
-    R = B_a |v|: the damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
+    Damping that differs between the two directions of motion.
+
+    The damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
 
     A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
     2007); colliding structures damp their approach (Jankowski 2005). No direction is driven:
@@ -32,7 +32,6 @@ class AsymmetricDamping(ContactEffect):
 
     equation = 'F_e -= B_a |v|'
     family = 'damping_law'
-    description = 'Damping that differs between the two directions of motion.'
     needs = frozenset({Need.RETURN})
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:

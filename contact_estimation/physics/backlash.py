@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Backlash between tool and wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -46,13 +44,16 @@ def played(steps: Array, half: float) -> Array:
 
 @dataclass(frozen=True)
 class Backlash(ContactEffect):
-    """y = play(x, gap); the force is that of (y, y') where |x - y| = gap / 2, else 0."""
+    """
+    Play between the tool and the part that touches the wall.
+
+    The force is that of (y, y') where |x - y| = gap / 2, else 0.
+    """
 
     gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
 
     equation = "F_e of (y, y'), y = play(x, gap)"
     family = 'clearance'
-    description = 'Play between the tool and the part that touches the wall.'
     needs = frozenset({Need.NO_DRIVE})
     lets_go = True
     states = 1  # position of the tool within the play, x - y

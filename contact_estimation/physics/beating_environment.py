@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Surface that oscillates at two frequencies."""
-
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
@@ -25,7 +23,7 @@ _PERIODS = 3.0  # fewest of the slower tone
 @dataclass(frozen=True)
 class BeatingEnvironment(ContactEffect):
     """
-    x_e = nominal + the sum of two oscillations: a beat, or a period that is no sine.
+    The surface oscillates at two frequencies: a beat, or a motion with harmonics.
 
     Den Hartog, Mechanical Vibrations, 1956 (coupled oscillators); a breathing patient: Lujan,
     Larsen, Balter and Ten Haken, Medical Physics 26(5), 1999.
@@ -41,7 +39,6 @@ class BeatingEnvironment(ContactEffect):
     equation = ('x_e = nominal + amplitude sin(2 pi frequency t + phase)'
                 ' + amplitude_2 sin(2 pi frequency_2 t + phase_2)')
     family = 'wall_motion'
-    description = 'The surface oscillates at two frequencies: a beat, or a motion with harmonics.'
     needs = frozenset({Need.SPRING})  # what none presses on moves unseen
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Second spring beyond a certain depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,14 +14,13 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class BilinearStiffness(ContactEffect):
-    """R = K_2 max(d - depth, 0), additional."""
+    """A second spring adds to the stiffness beyond a certain depth."""
 
     K_2: float = optional_parameter('Additional stiffness beyond `depth`', 'N/m')
     depth: float = optional_parameter('Depth at which the second spring starts', 'm', minimum=0.0)
 
     equation = 'F_e -= K_2 max(d - depth, 0)'
     family = 'elastic_law'
-    description = 'A second spring adds to the stiffness beyond a certain depth.'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         return self.K_2 * positive(d - self.depth, m)

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Bouc-Wen hysteresis of the wall (Bouc 1967, Wen 1976)."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -73,7 +71,11 @@ def _from_zero(c: float, gone: float) -> float:
 
 @dataclass(frozen=True)
 class BoucWenHysteresis(ContactEffect):
-    """R = alpha z, z' = v - beta |v| z - gamma v |z|; z = 0 out of contact."""
+    """
+    Hysteresis: the force differs between loading and unloading at any speed.
+
+    z = 0 out of contact.
+    """
 
     alpha: float = optional_parameter('Stiffness of the hysteretic branch', 'N/m', minimum=0.0)
     beta: float = optional_parameter('Rate at which the branch yields', '1/m', minimum=0.0)
@@ -81,7 +83,6 @@ class BoucWenHysteresis(ContactEffect):
 
     equation = "F_e -= alpha z, z' = v - beta |v| z - gamma v |z|"
     family = 'hysteresis'
-    description = 'Hysteresis: the force differs between loading and unloading at any speed.'
     # Without a spring it is friction: see `PreslidingFriction`.
     needs = frozenset({Need.RETURN, Need.SPRING})
     states = 1

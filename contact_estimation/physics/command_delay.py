@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Delay between reference and robot."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,13 +12,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class CommandDelay(RobotEffect):
-    """The reference at t - delay."""
+    """The robot follows its reference with a delay."""
 
     delay: float = optional_parameter('Delay of the reference', 's', minimum=0.0)
 
     equation = 'x_r(t - delay) in eq. (1)'
     family = 'timing'
-    description = 'The robot follows its reference with a delay.'
 
     @property
     def reference_delay(self) -> float:

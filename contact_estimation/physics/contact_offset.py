@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Surface that is not where the model places it."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ContactOffset(ContactEffect):
-    """x_e = nominal + offset."""
+    """The surface is not where the model places it."""
 
     offset: float = optional_parameter('Position of the surface relative to the modelled one', 'm')
 
     equation = 'x_e = nominal + offset'
     family = 'clearance'
-    description = 'The surface is not where the model places it.'
     # In an attached environment it is a bias K_e times as large.
     needs = frozenset({Need.TOUCH, Need.SPRING})
 

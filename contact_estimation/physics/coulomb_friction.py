@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Dry friction of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class CoulombFriction(ContactEffect):
-    """R = F_c sgn(v)."""
+    """Dry friction of constant magnitude opposes the motion of the wall."""
 
     F_c: float = optional_parameter('Dry friction force of the wall', 'N', minimum=0.0)
 
     equation = 'F_e -= F_c sgn(v)'
     family = 'friction'
-    description = 'Dry friction of constant magnitude opposes the motion of the wall.'
     needs = frozenset({Need.RETURN})
     jumps = True
 

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Stiffness that changes with the square of the depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,14 +16,13 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class CubicStiffness(ContactEffect):
-    """R = K_3 d^3; negative softens."""
+    """The stiffness of the wall increases or decreases with the square of the depth."""
 
     K_3: float = optional_parameter(
         'Coefficient of the cubic force; negative: the wall softens with depth', 'N/m^3')
 
     equation = 'F_e -= K_3 d^3'
     family = 'elastic_law'
-    description = 'The stiffness of the wall increases or decreases with the square of the depth.'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         return self.K_3 * d * d * d

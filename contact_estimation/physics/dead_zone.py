@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Dead zone below the surface."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class DeadZone(ContactEffect):
-    """K_e max(d - gap, 0); damping from d > 0."""
+    """Within a gap below the surface only the damper acts; the spring starts deeper."""
 
     gap: float = optional_parameter('Depth at which the spring starts', 'm', minimum=0.0)
 
     equation = 'F_e = -(K_e max(d - gap, 0) + B_e v)'
     family = 'clearance'
-    description = 'Within a gap below the surface only the damper acts; the spring starts deeper.'
     needs = frozenset({Need.TOUCH})
 
     def deflection(self, t: Number, d: Number, m: Any) -> Number:

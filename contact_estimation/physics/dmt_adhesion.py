@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Adhesion that adds to the elastic force."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,7 +15,9 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class DmtAdhesion(Adhesion):
     """
-    F_e += F_a in contact; then, withdrawing, F_e = F_a (1 + d / reach) until d = -reach.
+    The wall attracts the tool while they touch, until it is pulled off.
+
+    In contact F_e += F_a; then, withdrawing, F_e = F_a (1 + d / reach) until d = -reach.
 
     Derjaguin, Muller and Toporov, J. Colloid and Interface Science 53, 1975: attraction adds to
     the elastic force without changing it. The liquid neck between wet surfaces pulls alike.
@@ -27,7 +27,6 @@ class DmtAdhesion(Adhesion):
         'Distance from the surface at which the pull ends', 'm', minimum=1e-12)
 
     equation = 'F_e += F_a in contact; F_e = F_a (1 + d / reach) on leaving'
-    description = 'The wall attracts the tool while they touch, until it is pulled off.'
 
     @property
     def _reach(self) -> float:

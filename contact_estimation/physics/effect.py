@@ -53,12 +53,13 @@ class Effect(ParameterGroup):
     Base class of all effects; an effect is the dataclass of its parameters.
 
     A parameter is declared by `optional_parameter`; the law is linear in the first. NaN in all of
-    them, the default, switches the effect off. `name` is that of the class in small letters.
+    them, the default, switches the effect off. A class declares family, equation and, where they
+    are not the usual ones, needs and resonates; the other attributes follow.
 
     Attributes
     ----------
     name : str
-        Key in EFFECTS and in `physics` of a model file.
+        Key in EFFECTS and in `physics` of a model file: that of the class in small letters.
     port : str
         Where the effect acts: 'contact', 'force_sensor' or 'robot'.
     family : str
@@ -66,7 +67,7 @@ class Effect(ParameterGroup):
     equation : str
         The law, as reports print it.
     description : str
-        One sentence that explains the effect to a reader of a report.
+        First sentence of the docstring, which explains the effect to a reader of a report.
     needs : frozenset of Need
         Without any of which the effect is another one, or nothing at all.
     resonates : bool
@@ -92,6 +93,7 @@ class Effect(ParameterGroup):
     def __init_subclass__(cls) -> None:
         """Name the effect after its class, and look which hooks of its port it changes."""
         cls.name = re.sub(r'(?<!^)(?=[A-Z])', '_', cls.__name__).lower()
+        cls.description = (cls.__doc__ or '').strip().partition('\n')[0]
         port = next((base for base in cls.__mro__[1:] if Effect in base.__bases__), cls)
         cls.changes = frozenset(
             hook for hook in vars(port) if getattr(cls, hook) is not getattr(port, hook))

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Inertia of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,13 +13,16 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class EnvironmentInertia(ContactEffect):
-    """R = M_e a, without an impulse at touch-down."""
+    """
+    Part of the wall moves with the tool, and its inertia adds to the force.
+
+    There is no impulse at touch-down.
+    """
 
     M_e: float = optional_parameter('Mass of the wall that moves with the tool', 'kg', minimum=0.0)
 
     equation = 'F_e -= M_e a'
     family = 'inertia'
-    description = 'Part of the wall moves with the tool, and its inertia adds to the force.'
     needs = frozenset({Need.NO_MASS})
 
     @property

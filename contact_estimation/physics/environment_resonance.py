@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Mass behind the surface on a spring and a damper of its own."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -25,7 +23,9 @@ _LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion
 @dataclass(frozen=True)
 class EnvironmentResonance(ContactEffect):
     """
-    R = mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'); d = v = 0 out of contact.
+    A mass behind the surface resonates on a spring and a damper of its own.
+
+    d = v = 0 out of contact.
 
     Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
     so that a wall at rest has none at any depth.
@@ -40,7 +40,6 @@ class EnvironmentResonance(ContactEffect):
     equation = ("F_e -= mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'), "
                 'omega = 2 pi frequency')
     family = 'inertia'
-    description = 'A mass behind the surface resonates on a spring and a damper of its own.'
     resonates = True
     states = 2
     weights = ('mass',)

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Stiffness that rises exponentially with the depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +19,11 @@ _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 
 @dataclass(frozen=True)
 class ExponentialStiffness(ContactEffect):
-    """R = A (exp(d / depth) - 1) - A d / depth: no stiffness is added at d = 0."""
+    """
+    The stiffness of the wall rises exponentially with the depth (soft tissue).
+
+    No stiffness is added at d = 0.
+    """
 
     A: float = optional_parameter('Scale of the force', 'N', minimum=0.0)
     depth: float = optional_parameter(
@@ -30,7 +32,6 @@ class ExponentialStiffness(ContactEffect):
 
     equation = 'F_e -= A (exp(d / depth) - 1 - d / depth)'
     family = 'elastic_law'
-    description = 'The stiffness of the wall rises exponentially with the depth (soft tissue).'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         x = d / self.depth

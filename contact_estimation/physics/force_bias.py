@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Bias of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,13 +14,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ForceBias(ForceSensorEffect):
-    """F + bias."""
+    """The force sensor was not tared: a constant is added to the force."""
 
     bias: float = optional_parameter('Measured force without load', 'N')
 
     equation = 'F_measured = F_e + bias'
     family = 'sensor_zero'
-    description = 'The force sensor was not tared: a constant is added to the force.'
 
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
         return force + self.bias

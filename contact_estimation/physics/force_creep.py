@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Creep of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -26,7 +24,7 @@ _USUAL = 0.03  # share of the force that small imperfections of a rig look like
 @dataclass(frozen=True)
 class ForceCreep(ForceSensorEffect):
     """
-    F + share y, tau y' + y = F.
+    The force sensor creeps: part of a force appears with time.
 
     Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997: creep of load
     cells. One whose force decays is `ForceDecay`.
@@ -38,7 +36,6 @@ class ForceCreep(ForceSensorEffect):
 
     equation = "F_measured = F_e + share y, tau y' + y = F_e"
     family = 'relaxation'
-    description = 'The force sensor creeps: part of a force appears with time.'
     sign: ClassVar[float] = 1.0
 
     @cached_property

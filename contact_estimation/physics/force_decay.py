@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Decay of the reading of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,7 +13,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class ForceDecay(ForceCreep):
     """
-    F - share y, tau y' + y = F: the creep of a load cell with the other sign.
+    The force sensor creeps: part of a force vanishes with time.
 
     A specimen that relaxes looks the same: it takes the end of a contact, after which the reading
     is off, or a robot that feels the true force, to tell.
@@ -25,6 +23,5 @@ class ForceDecay(ForceCreep):
         'Force that vanishes in time, as a share of that at once', '1', minimum=0.0)
 
     equation = "F_measured = F_e - share y, tau y' + y = F_e"
-    description = 'The force sensor creeps: part of a force vanishes with time.'
     needs = frozenset({Need.TOUCH})
     sign = -1.0

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Delay of the force signal."""
-
 from __future__ import annotations
 
 from collections import deque
@@ -20,13 +18,12 @@ _SLOWEST_S = 0.5  # of a force sensor; a specimen that relaxes looks the same
 
 @dataclass(frozen=True)
 class ForceDelay(ForceSensorEffect):
-    """F(t - delay)."""
+    """The force signal is delayed relative to the motion."""
 
     delay: float = optional_parameter('Delay of the force', 's', minimum=0.0)
 
     equation = 'F_measured(t) = F_e(t - delay)'
     family = 'timing'
-    description = 'The force signal is delayed relative to the motion.'
 
     def reader(self) -> Reader:
         """Interpolate past samples linearly."""

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Drift of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ForceDrift(ForceSensorEffect):
-    """F + rate t."""
+    """The zero of the force sensor drifts linearly with time."""
 
     rate: float = optional_parameter('Rate of change of the measured force without load', 'N/s')
 
     equation = 'F_measured = F_e + rate t'
     family = 'sensor_zero'
-    description = 'The zero of the force sensor drifts linearly with time.'
     needs = frozenset({Need.RETURN})  # of one stroke and a hold, time tells what relaxes, too
 
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:

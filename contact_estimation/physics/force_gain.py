@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Sensitivity of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,7 +21,7 @@ CALIBRATED = 0.05
 @dataclass(frozen=True)
 class ForceGain(ForceSensorEffect):
     """
-    gain F.
+    The sensitivity of the force sensor is not that of its calibration.
 
     K_e and B_e make up for it in the force; the motion of a robot, which feels the true force,
     tells it. It is the same as an impedance of which M_t, B_t and K_t are all 1 / gain of the
@@ -34,7 +32,6 @@ class ForceGain(ForceSensorEffect):
 
     equation = 'F_measured = gain F_e'
     family = 'sensor_gain'
-    description = 'The sensitivity of the force sensor is not that of its calibration.'
     needs = frozenset({Need.ROBOT})
 
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Low-pass filter of the force signal."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -20,13 +18,12 @@ _SLOWEST_S = 0.2  # of a force sensor; a specimen that relaxes looks the same
 
 @dataclass(frozen=True)
 class ForceLag(ForceSensorEffect):
-    """tau y' + y = F."""
+    """The force signal is low-pass filtered."""
 
     tau: float = optional_parameter('Time constant of the low-pass filter', 's', minimum=0.0)
 
     equation = "tau y' + y = F_e"
     family = 'timing'
-    description = 'The force signal is low-pass filtered.'
 
     def reader(self) -> Reader:
         """Filter F, interpolated linearly."""

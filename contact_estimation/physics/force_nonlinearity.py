@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Sensitivity of the force sensor that changes with the force."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,7 +20,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class ForceNonlinearity(ForceSensorEffect):
     """
-    F (gain + bend |F|).
+    The sensitivity of the force sensor changes with the force.
 
     An elastic law of the wall does the same to the force; the motion of a robot, which feels the
     true force, tells it. Fraden, Handbook of Modern Sensors, 2016, section 3.5.
@@ -34,7 +32,6 @@ class ForceNonlinearity(ForceSensorEffect):
 
     equation = 'F_measured = F_e (gain + bend |F_e|)'
     family = 'sensor_gain'
-    description = 'The sensitivity of the force sensor changes with the force.'
     needs = frozenset({Need.ROBOT})
 
     @property

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Saturation of the force sensor."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,13 +19,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ForceSaturation(ForceSensorEffect):
-    """F clipped to +-limit."""
+    """The force signal is clipped at the end of the measuring range."""
 
     limit: float = optional_parameter('End of the measuring range', 'N', minimum=0.0)
 
     equation = 'F_measured = clip(F_e, +-limit)'
     family = 'limits'
-    description = 'The force signal is clipped at the end of the measuring range.'
 
     @property
     def largest_reading(self) -> float:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Fractional relaxation of the wall: a memory without a time constant of its own."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -29,7 +27,11 @@ _LEAST, _MOST = 0.02, 0.98  # alpha of what is no spring and no damper yet
 
 
 class _Weights(NamedTuple):
-    """D^alpha as springs and a damper."""
+    """
+    The force relaxes over all time scales, by a power of time (springpot).
+
+    D^alpha of Caputo; d = 0 out of contact, constant before the first sample.
+    """
 
     damper: float  # of all branches that are faster than _TIMES [s^(1 - alpha)]
     # one that never relaxes for all slower branches, then those of _TIMES [s^-alpha]
@@ -125,7 +127,6 @@ class FractionalRelaxation(ContactEffect):
 
     equation = 'F_e -= C D^alpha d'
     family = 'relaxation'
-    description = 'The force relaxes over all time scales, by a power of time (springpot).'
     needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = _BRANCHES + 3
     weights = ('C', 'alpha')

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Free play of the spring of an attached environment."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,7 +16,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class FreePlay(ContactEffect):
     """
-    R = beside B_e v + K_e s + (1 - beside) B_e v, the latter two only from an end of the play on.
+    The spring acts only beyond a gap that is free on both sides.
 
     s = u - min(max(u, -gap / 2), gap / 2), u = d - centre. The two push away from the gap. A
     damper beside the play acts at all times; one behind it is met at either end, and holds back
@@ -34,7 +32,6 @@ class FreePlay(ContactEffect):
     equation = ('F_e = -(beside B_e v + K_e s + (1 - beside) B_e v), s = u - sat(u, gap / 2), '
                 'u = d - centre; the latter two not within the gap')
     family = 'clearance'
-    description = 'The spring acts only beyond a gap that is free on both sides.'
     needs = frozenset({Need.ATTACHMENT, Need.SPRING})
 
     def deflection(self, t: Number, d: Number, m: Any) -> Number:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Constant force on the robot: gravity that its control compensates wrongly."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class GravityError(RobotEffect):
     """
-    F_g added to the motion of the robot.
+    Gravity, compensated wrongly, pushes the robot with a constant force.
 
     What is left of gravity where the control compensates for another mass, such as that of a
     payload it does not know (Siciliano, Sciavicco, Villani and Oriolo, Robotics, 2009, section
@@ -28,7 +26,6 @@ class GravityError(RobotEffect):
 
     equation = "M_t x'' = u + F_g + F_e"
     family = 'robot'
-    description = 'Gravity, compensated wrongly, pushes the robot with a constant force.'
 
     def drag(self, velocity: Number, m: Any) -> Number:
         return 0.0 * velocity - self.F_g

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Hunt-Crossley damping of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +19,9 @@ LARGEST_DAMPING = 300.0
 @dataclass(frozen=True)
 class HuntCrossleyDamping(ContactEffect):
     """
-    chi d v in place of B_e v; chi d^n v together with power_law_stiffness.
+    Damping of the wall proportional to depth, without a force step at touch-down.
+
+    chi d^n v together with power_law_stiffness.
 
     Hunt and Crossley (1975).
     """
@@ -30,7 +30,6 @@ class HuntCrossleyDamping(ContactEffect):
 
     equation = 'F_e = -(K_e d + chi d v)'
     family = 'damping_law'
-    description = 'Damping of the wall proportional to depth, without a force step at touch-down.'
     needs = frozenset({Need.PRESSING})
 
     def damper(self, d: Number, v: Number, exponent: float, m: Any) -> Number:

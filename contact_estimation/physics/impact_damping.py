@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Damping that is the weaker, the faster the touch-down."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,7 +20,7 @@ _SLOWEST = 1e-4  # touch-down that the law holds for [m/s]
 @dataclass(frozen=True)
 class ImpactDamping(ContactEffect):
     """
-    R = chi d v / v_0, v_0 the speed at the last touch-down.
+    Damping proportional to depth, weaker after a fast touch-down.
 
     An impact then loses the same share of its energy at any speed: chi = 3 (1 - e^2) / 4 K_e for
     a coefficient of restitution e. Lankarani and Nikravesh, J. Mechanical Design 112(3), 1990.
@@ -33,7 +31,6 @@ class ImpactDamping(ContactEffect):
 
     equation = 'F_e -= chi d v / v_0, v_0 the speed at the last touch-down'
     family = 'damping_law'
-    description = 'Damping proportional to depth, weaker after a fast touch-down.'
     needs = frozenset({Need.TOUCH})
     states = 1  # v_0, 0 out of contact
 

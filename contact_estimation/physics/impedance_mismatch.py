@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Robot whose impedance differs from the target impedance."""
-
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
@@ -18,7 +16,7 @@ _ALIKE = 0.3  # of their mean deviation from 1: less between the scales is one f
 
 @dataclass(frozen=True)
 class ImpedanceMismatch(RobotEffect):
-    """actual = scale x nominal, for M_t, B_t and K_t."""
+    """The robot realises a mass, damping or stiffness other than the target."""
 
     K_t_scale: float = optional_parameter(
         'Stiffness of the robot divided by K_t', '1', minimum=0.0, neutral=1.0)
@@ -29,7 +27,6 @@ class ImpedanceMismatch(RobotEffect):
 
     equation = 'M_t_scale M_t, B_t_scale B_t, K_t_scale K_t in eq. (1)'
     family = 'robot'
-    description = 'The robot realises a mass, damping or stiffness other than the target.'
 
     def impedance(
         self, mass: float, damping: float, stiffness: float

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Elasticity between the motor, whose position is measured, and the link that touches the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,7 +16,7 @@ _MOST_LINK = 0.9  # of M_t: a motor has some mass
 @dataclass(frozen=True)
 class JointFlexibility(RobotEffect):
     """
-    Motor: (M_t - m) x'' = u - f. Link: m y'' = f + F_e(y, y'), f = (x - y) / C + c (x' - y').
+    A joint or a tool mount yields between the measured position and the wall.
 
     The measured position is x, of the motor; m = link_share M_t, c = 2 zeta sqrt(m / C).
     Spong, J. Dynamic Systems, Measurement, and Control 109(4), 1987.
@@ -34,7 +32,6 @@ class JointFlexibility(RobotEffect):
     equation = ("(M_t - m) x'' = u - f, m y'' = f + F_e(y, y'), m = link_share M_t, "
                 "f = (x - y) / compliance + c (x' - y'), c = 2 damping_ratio sqrt(m / compliance)")
     family = 'inertia'
-    description = 'A joint or a tool mount yields between the measured position and the wall.'
     resonates = True
 
     def joint(self, mass: float) -> Joint | None:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Oscillating surface."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -24,7 +22,7 @@ MANY_PERIODS = 8.0
 
 @dataclass(frozen=True)
 class MovingEnvironment(ContactEffect):
-    """x_e = nominal + amplitude sin(2 pi frequency t + phase)."""
+    """The surface oscillates sinusoidally."""
 
     amplitude: float = optional_parameter('Amplitude of the surface oscillation', 'm', minimum=0.0)
     frequency: float = optional_parameter('Frequency of the oscillation', 'Hz', minimum=0.0)
@@ -32,7 +30,6 @@ class MovingEnvironment(ContactEffect):
 
     equation = 'x_e = nominal + amplitude sin(2 pi frequency t + phase)'
     family = 'wall_motion'
-    description = 'The surface oscillates sinusoidally.'
     needs = frozenset({Need.SPRING})  # what none presses on moves unseen
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Plastic set of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,14 +17,13 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class PlasticSet(ContactEffect):
-    """x_e = nominal + residual (greatest d so far), 0 <= residual < 1."""
+    """The wall deforms plastically: part of the deepest indentation remains."""
 
     residual: float = optional_parameter(
         'Fraction of the deepest indentation that remains', '1', minimum=0.0, maximum=0.999)
 
     equation = 'x_e = nominal + residual (greatest d so far)'
     family = 'hysteresis'
-    description = 'The wall deforms plastically: part of the deepest indentation remains.'
     needs = frozenset({Need.RETURN, Need.PRESSING})
     states = 1  # greatest d so far, from the untouched surface
 

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Stiffness that falls and rises with the depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class PolynomialStiffness(ContactEffect):
     """
-    F_e -= K_2 d |d| + K_3 d^3.
+    The wall softens and then hardens with depth, or the reverse.
 
     The shortest series with a plateau: foam buckles (K_2 < 0), then its cells touch (K_3 > 0), see
     Gibson and Ashby, Cellular Solids, 1997.
@@ -30,7 +28,6 @@ class PolynomialStiffness(ContactEffect):
 
     equation = 'F_e -= K_2 d |d| + K_3 d^3'
     family = 'elastic_law'
-    description = 'The wall softens and then hardens with depth, or the reverse.'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         return (self.K_2 * abs(d) + self.K_3 * d * d) * d

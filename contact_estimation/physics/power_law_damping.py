@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Damping that follows a power of the depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -20,7 +18,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class PowerLawDamping(ContactEffect):
     """
-    B_m abs(d)^m v in place of B_e v.
+    The damping of the wall follows a power of the depth (spheres: 1/4 to 3/2).
 
     m = 1/4: Tsuji, Tanaka and Ishida (1992); 1/2: Kuwabara and Kono (1987); 1: Hunt and Crossley
     (1975), which has a name of its own.
@@ -32,7 +30,6 @@ class PowerLawDamping(ContactEffect):
 
     equation = 'F_e = -(K_e d + B_m abs(d)^m v)'
     family = 'damping_law'
-    description = 'The damping of the wall follows a power of the depth (spheres: 1/4 to 3/2).'
 
     def damper(self, d: Number, v: Number, exponent: float, m: Any) -> Number:
         return self.B_m * abs(d) ** self.m * v

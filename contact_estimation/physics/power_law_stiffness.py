@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Elastic force that follows a power of the depth."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ _LEAST_POWER = 0.3  # of less the force is a step
 
 @dataclass(frozen=True)
 class PowerLawStiffness(ContactEffect):
-    """K_n d^n in place of K_e d."""
+    """The elastic force follows a power of the depth (Hertzian contact: 3/2)."""
 
     n: float = optional_parameter(
         'Exponent of the depth', '1', minimum=0.1, maximum=10.0, neutral=1.0)
@@ -29,7 +27,6 @@ class PowerLawStiffness(ContactEffect):
 
     equation = 'F_e = -(K_n d^n + B_e v)'
     family = 'elastic_law'
-    description = 'The elastic force follows a power of the depth (Hertzian contact: 3/2).'
     needs = frozenset({Need.PRESSING})
 
     @property

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Friction of the wall that sticks elastically before it slides (Dahl 1968)."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -36,7 +34,9 @@ def _friction(F_c: float, rate: float, motion: Motion) -> Array:
 @dataclass(frozen=True)
 class PreslidingFriction(ContactEffect):
     """
-    R = z, z' = sigma v (1 - z / F_c sgn v); z = 0 out of contact.
+    Dry friction that rises over a short travel after each reversal (Dahl model).
+
+    z = 0 out of contact.
 
     The sign is sharp, because z does not jump. Over a stretch u of one direction s
     z = F_c s + (z_0 - F_c s) exp(-sigma u / F_c), however fast: the integrated state is the
@@ -48,7 +48,6 @@ class PreslidingFriction(ContactEffect):
 
     equation = "F_e -= z, z' = sigma v (1 - z / F_c sgn v)"
     family = 'friction'
-    description = 'Dry friction that rises over a short travel after each reversal (Dahl model).'
     needs = frozenset({Need.RETURN})
     states = 2
 

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Drag of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,13 +14,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class QuadraticDamping(ContactEffect):
-    """R = B_2 v |v|."""
+    """Drag of the wall proportional to the square of the speed."""
 
     B_2: float = optional_parameter('Drag at 1 m/s', 'N s^2/m^2')
 
     equation = 'F_e -= B_2 v |v|'
     family = 'damping_law'
-    description = 'Drag of the wall proportional to the square of the speed.'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         return self.B_2 * v * abs(v)

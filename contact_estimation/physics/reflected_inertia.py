@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Inertia of the robot that its feed-forward does not know."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,14 +12,13 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ReflectedInertia(RobotEffect):
-    """(M_t + M_r) x'' in the motion; the feed-forward has M_t alone."""
+    """Inertia of rotors and gears that the feed-forward does not compensate."""
 
     M_r: float = optional_parameter(
         'Inertia that the feed-forward does not compensate', 'kg', minimum=0.0)
 
     equation = "(M_t + M_r) x'' = u + F_e"
     family = 'inertia'
-    description = 'Inertia of rotors and gears that the feed-forward does not compensate.'
 
     @property
     def reflected_inertia(self) -> float:

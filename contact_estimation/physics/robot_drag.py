@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Drag of the robot."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class RobotDrag(RobotEffect):
     """
-    -c xd |xd| added to the motion of the robot.
+    Drag proportional to the square of the speed opposes the motion of the robot.
 
     Fluid drag, or churning of grease and oil in its gears (Batchelor, An Introduction to Fluid
     Dynamics, 1967).
@@ -27,7 +25,6 @@ class RobotDrag(RobotEffect):
 
     equation = "M_t x'' = u - c x' |x'| + F_e"
     family = 'robot'
-    description = 'Drag proportional to the square of the speed opposes the motion of the robot.'
 
     def drag(self, velocity: Number, m: Any) -> Number:
         return self.c * velocity * abs(velocity)

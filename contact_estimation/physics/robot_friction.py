@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Dry friction of the robot."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,13 +14,12 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class RobotFriction(RobotEffect):
-    """-F_c sgn(xd) added to the motion of the robot."""
+    """Dry friction in the joints of the robot opposes its motion."""
 
     F_c: float = optional_parameter('Dry friction force of the robot', 'N', minimum=0.0)
 
     equation = "M_t x'' = u - F_c sgn(x') + F_e"
     family = 'robot'
-    description = 'Dry friction in the joints of the robot opposes its motion.'
 
     def drag(self, velocity: Number, m: Any) -> Number:
         return self.F_c * m.tanh(velocity / self.sign_velocity)

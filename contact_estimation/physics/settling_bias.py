@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Bias of the force sensor that settles."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ _LONGEST = 2.0  # time constant, in the duration of the recording
 
 @dataclass(frozen=True)
 class SettlingBias(ForceSensorEffect):
-    """F + bias + change exp(-t / tau)."""
+    """The zero of the force sensor settles exponentially, as after switching on."""
 
     change: float = optional_parameter('Bias at the first sample less that in the end', 'N')
     tau: float = optional_parameter('Time constant of the settling', 's', minimum=0.001)
@@ -29,7 +27,6 @@ class SettlingBias(ForceSensorEffect):
 
     equation = 'F_measured = F_e + bias + change exp(-t / tau)'
     family = 'sensor_zero'
-    description = 'The zero of the force sensor settles exponentially, as after switching on.'
     needs = frozenset({Need.RETURN})
 
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Stiffness of the wall that drifts."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,16 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class StiffnessDrift(ContactEffect):
-    """K_e (1 + rate t) in the linear term."""
+    """
+    The stiffness of the wall increases or decreases linearly with time.
+
+    In the linear term alone.
+    """
 
     rate: float = optional_parameter('Relative change of the stiffness per second', '1/s')
 
     equation = 'F_e = -(K_e (1 + rate t) d + B_e v)'
     family = 'wall_motion'
-    description = 'The stiffness of the wall increases or decreases linearly with time.'
     # Of one stroke and a hold, time tells what relaxes, too.
     needs = frozenset({Need.RETURN, Need.SPRING})
 

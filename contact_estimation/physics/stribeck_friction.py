@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Dry friction of the wall that falls with speed."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ _LEAST_LEFT = 0.1  # of F_s, at speed
 
 @dataclass(frozen=True)
 class StribeckFriction(ContactEffect):
-    """R = (F_c + (F_s - F_c) exp(-(v / v_s)^2)) sgn(v)."""
+    """Dry friction of the wall that decreases with speed (Stribeck effect)."""
 
     F_c: float = optional_parameter('Friction force at high speed', 'N', minimum=0.0)
     F_s: float = optional_parameter(
@@ -29,7 +27,6 @@ class StribeckFriction(ContactEffect):
 
     equation = 'F_e -= (F_c + (F_s - F_c) exp(-(v / v_s)^2)) sgn(v)'
     family = 'friction'
-    description = 'Dry friction of the wall that decreases with speed (Stribeck effect).'
     needs = frozenset({Need.RETURN})
     jumps = True
 

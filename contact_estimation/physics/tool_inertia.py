@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Inertia of the tool between sensor and contact."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,13 +15,16 @@ from ..parameters.specification import optional_parameter
 
 @dataclass(frozen=True)
 class ToolInertia(ForceSensorEffect):
-    """F - mass a, also in free flight."""
+    """
+    The force sensor also measures the inertia of the tool mounted on it.
+
+    It acts in free flight, too.
+    """
 
     mass: float = optional_parameter('Mass between sensor and contact', 'kg', minimum=0.0)
 
     equation = 'F_measured = F_e - mass a'
     family = 'inertia'
-    description = 'The force sensor also measures the inertia of the tool mounted on it.'
     needs = frozenset({Need.TOUCH})  # in an attached environment it is indistinguishable from M_e
 
     @property

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Weight of a tool or payload that neither sensor nor control knows."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,7 +16,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class ToolWeight(ContactEffect):
     """
-    F_e + W, in free flight too: a constant force on the tool, which sensor and robot both feel.
+    The weight of a tool or payload beyond the sensor is not compensated.
 
     The component of gravity along the axis on what hangs beyond the sensor (J. Hollerbach,
     W. Khalil and M. Gautier, Springer Handbook of Robotics, 2016, chapter 6). A `force_bias` is
@@ -29,7 +27,6 @@ class ToolWeight(ContactEffect):
 
     equation = 'F_e += W, in free flight too'
     family = 'sensor_zero'
-    description = 'The weight of a tool or payload beyond the sensor is not compensated.'
     needs = frozenset({Need.ROBOT, Need.TOUCH})  # on an attached wall it is another location
 
     @property

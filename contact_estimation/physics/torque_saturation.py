@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Drives whose force grows less and less with the commanded one."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class TorqueSaturation(RobotEffect):
     """
-    The control force limit tanh(u / limit).
+    The drives deliver less and less of a growing control force.
 
     Iron saturates, and torque falls behind current (Hughes and Drury, Electric Motors and Drives,
     2019). A limit of the controller clips instead, see `ActuatorSaturation`.
@@ -30,7 +28,6 @@ class TorqueSaturation(RobotEffect):
 
     equation = "M_t x'' = limit tanh(u / limit) + F_e"
     family = 'limits'
-    description = 'The drives deliver less and less of a growing control force.'
 
     def control(self, u: Number, m: Any) -> Number:
         return self.limit * m.tanh(u / self.limit)

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Elastic hysteresis: the wall unloads along a steeper line than it loads."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -20,7 +18,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class UnloadingHysteresis(ContactEffect):
     """
-    d is replaced by max(0, d - ratio (d_max - d)), d_max the greatest d of the contact.
+    The wall unloads along a steeper line than it loads, recovering out of contact.
 
     Below d_max the wall unloads and reloads along a line of the stiffness (1 + ratio) K_e; out of
     contact it recovers. Walton and Braun, J. Rheology 30(5), 1986.
@@ -32,7 +30,6 @@ class UnloadingHysteresis(ContactEffect):
 
     equation = 'd replaced by max(0, d - ratio (d_max - d)), d_max the greatest of the contact'
     family = 'hysteresis'
-    description = 'The wall unloads along a steeper line than it loads, recovering out of contact.'
     # Pulled as well as pressed, a wall has no side on which it loads.
     needs = frozenset({Need.RETURN, Need.SPRING, Need.PRESSING})
     states = 1  # greatest d of the contact

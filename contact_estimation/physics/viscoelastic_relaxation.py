@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Viscoelastic relaxation of the wall: a Maxwell branch beside spring and damper."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,14 +21,17 @@ REPELS = 0.1
 
 @dataclass(frozen=True)
 class ViscoelasticRelaxation(ContactEffect):
-    """R = s, s' = K_1 v - s / tau; out of contact s' = -s / tau and s >= 0."""
+    """
+    The force relaxes while the depth is held (Maxwell branch).
+
+    Out of contact s' = -s / tau and s >= 0.
+    """
 
     K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
     tau: float = optional_parameter('Relaxation time constant', 's', minimum=0.0001)
 
     equation = "F_e -= s, s' = K_1 v - s / tau"
     family = 'relaxation'
-    description = 'The force relaxes while the depth is held (Maxwell branch).'
     needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = 1
 

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Viscous flow of the wall."""
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ from ..parameters.specification import optional_parameter
 @dataclass(frozen=True)
 class ViscousFlow(ContactEffect):
     """
-    x_e = nominal + u, u' = rate max(d - u, 0): a dashpot in series with the wall.
+    The wall flows while it is pressed, and does not recover (dashpot in series).
 
     It is the steady creep of a Maxwell or Burgers body (W. N. Findley et al., Creep and Relaxation
     of Nonlinear Viscoelastic Materials, 1976, ch. 5); the viscosity of the dashpot is K_e / rate.
@@ -33,7 +31,6 @@ class ViscousFlow(ContactEffect):
 
     equation = "x_e = nominal + u, u' = rate max(d - u, 0)"
     family = 'relaxation'
-    description = 'The wall flows while it is pressed, and does not recover (dashpot in series).'
     needs = frozenset({Need.TOUCH})
     states = 1  # u: how far the surface has receded
 
