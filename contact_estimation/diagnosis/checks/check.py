@@ -15,32 +15,14 @@ from ...physics import EFFECTS
 
 @dataclass(frozen=True)
 class Check:
-    """
-    The result of a check for wrong use.
+    """The result of a check for wrong use."""
 
-    Attributes
-    ----------
-    name : str
-        As in `CHECKS`.
-    ok : bool
-        False if something is to be corrected.
-    text : str
-        Measured, expected and, if not ok, what to change.
-    fatal : bool
-        Whether nothing can be diagnosed before that.
-    could_cause : frozenset of str
-        Effects that the wrong use would be mistaken for.
-    tested : bool
-        False if another check that failed leaves it without meaning.
-
-    """
-
-    name: str
-    ok: bool
-    text: str
-    fatal: bool = False
-    could_cause: frozenset[str] = frozenset()
-    tested: bool = True
+    name: str  # as in `CHECKS`
+    ok: bool  # false if something is to be corrected
+    text: str  # measured, expected and, if not ok, what to change
+    fatal: bool = False  # whether nothing can be diagnosed before that
+    could_cause: frozenset[str] = frozenset()  # effects that the wrong use would be mistaken for
+    tested: bool = True  # false if another check that failed leaves it without meaning
 
 
 class Finding(NamedTuple):
@@ -53,28 +35,15 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class Test:
-    """
-    A test for one kind of wrong use.
+    """A test for one kind of wrong use."""
 
-    Attributes
-    ----------
-    find : callable
-        From the evidence of a recording to the finding.
-    after : tuple of str
-        Checks that must have passed: else this one has no meaning.
-    could_cause : frozenset of str
-        Effects for which a failure that is not fatal would be mistaken.
-    alone : bool
-        Whether it has a meaning only where nothing else is fitted together with the recording.
-    put_right : callable, optional
-        From the signals that fail to those to be fitted, where that is beyond doubt.
-
-    """
-
-    find: Callable[[Evidence], Finding]
-    after: tuple[str, ...] = ()
+    find: Callable[[Evidence], Finding]  # from the evidence of a recording to the finding
+    after: tuple[str, ...] = ()  # checks that must have passed: else this one has no meaning
+    # effects for which a failure that is not fatal would be mistaken
     could_cause: frozenset[str] = frozenset()
+    # whether it has a meaning only where nothing else is fitted together with the recording
     alone: bool = False
+    # from the signals that fail to those to be fitted, where that is beyond doubt
     put_right: Callable[[Signals], Signals] | None = None
 
 

@@ -41,42 +41,24 @@ _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part co
 
 @dataclass(frozen=True, eq=False)
 class Scored:
-    """
-    A fitted model, and its errors on P parts in C channels.
+    """A fitted model, and its errors on P parts in C channels."""
 
-    Attributes
-    ----------
-    effects : tuple of str
-        Its effects in the order in which they were found.
-    families : tuple of str
-        The family of each; '' for those of the nominal model, which are no names.
-    rank : tuple
-        Where it comes among models of equal score.
-    left_out, fitted : ndarray, shape (P, C)
-        Mean squares of the errors on each part, as predicted by the fit on the others and as
-        fitted, in those of noise.
-    counts : ndarray, shape (P, C)
-        Number of residuals.
-    parameters, laws, curves : int
-        Number of free values beyond those of the nominal model (those that data determine, where
-        some are known beforehand); laws other than zeros; curves among them.
-    found : object
-        The fit.
-    penalty : float
-        Further log prior odds against it: its place among many, values of a calibration [nat].
-
-    """
-
-    effects: tuple[str, ...]
+    effects: tuple[str, ...]  # its effects in the order in which they were found
+    # the family of each; '' for those of the nominal model, which are no names
     families: tuple[str, ...]
-    rank: tuple[Any, ...]
+    rank: tuple[Any, ...]  # where it comes among models of equal score
+    # left_out, fitted (P, C): mean squares of the errors on each part, as predicted by the fit on
+    # the others and as fitted, in those of noise
     left_out: Array
     fitted: Array
-    counts: Array
+    counts: Array  # (P, C) number of residuals
+    # parameters, laws, curves: number of free values beyond those of the nominal model (those that
+    # data determine, where some are known beforehand); laws other than zeros; curves among them
     parameters: float
     laws: int
     curves: int
-    found: Any = field(repr=False, default=None)
+    found: Any = field(repr=False, default=None)  # the fit
+    # further log prior odds against it: its place among many, values of a calibration [nat]
     penalty: float = 0.0
 
     @property
@@ -97,34 +79,17 @@ class Scored:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """
-    What models are compared against.
+    """What models are compared against."""
 
-    Attributes
-    ----------
-    base : Scored
-        The nominal model, recalibrated.
-    instrument : ndarray, shape (C,)
-        Mean square of the discrepancy of every instrument, in that of noise.
-    as_force : ndarray, shape (C,)
-        Mean square of noise in each channel as that of a force, by which channels are added up.
-    constants : Constants
-        Prior and error model.
-    noise : ndarray, shape (P, C), optional
-        Mean square of noise, in that which was measured beforehand; 1 by default.
-    level : Scored, optional
-        The base with the zeros that it asks for; the base by default.
-    white : bool
-        Whether noise is white; otherwise a bound of all that may be slow, too, and n = k.
-
-    """
-
-    base: Scored
-    instrument: Array
+    base: Scored  # the nominal model, recalibrated
+    instrument: Array  # (C,) mean square of the discrepancy of every instrument, in that of noise
+    # (C,) mean square of noise in each channel as that of a force, by which channels are added up
     as_force: Array
-    constants: Constants = CONSTANTS
+    constants: Constants = CONSTANTS  # prior and error model
+    # (P, C) mean square of noise, in that which was measured beforehand; 1 by default
     noise: Array | None = None
-    level: Scored | None = None
+    level: Scored | None = None  # the base with the zeros that it asks for; the base by default
+    # whether noise is white; otherwise a bound of all that may be slow, too, and n = k
     white: bool = True
 
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
@@ -209,23 +174,11 @@ def of_families(models: Sequence[Scored], weights: Array) -> Mapping[str, float]
 
 
 class Share(NamedTuple):
-    """
-    The part of a misfit that a model takes away on parts that it was not fitted on.
+    """The part of a misfit that a model takes away on parts that it was not fitted on."""
 
-    Attributes
-    ----------
-    share : float
-        1 for all of it.
-    interval : tuple of float
-        95 %, by the jackknife over parts.
-    parts : ndarray, shape (P,)
-        Share of each part.
-
-    """
-
-    share: float
-    interval: tuple[float, float]
-    parts: Array
+    share: float  # 1 for all of it
+    interval: tuple[float, float]  # 95 %, by the jackknife over parts
+    parts: Array  # (P,) share of each part
 
 
 def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:

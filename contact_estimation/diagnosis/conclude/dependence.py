@@ -38,37 +38,20 @@ _LEAST_SHARE = 0.05  # of the residuals, that smoothing alone can cause
 
 
 class Dependence(NamedTuple):
-    """
-    Dependence of the residuals of a channel on a quantity.
+    """Dependence of the residuals of a channel on a quantity."""
 
-    Attributes
-    ----------
-    channel : str
-        'force' or 'motion'.
-    on, unit : str
-        The quantity, such as 'velocity'; unit '' if the bins have `names`.
-    share : float
-        Of the mean square of the residual: explained by the means of the bins; for 'its own past'
-        by the blocks just before; for 'frequency' 1 less the spectral flatness.
-    chance : float
-        99 % quantile of the share without dependence.
-    names : tuple of str
-        Of the bins, if they have names.
-    middle : ndarray, shape (bins,)
-        Of the quantity in each bin; for 'its own past' lags [s].
-    mean, low, high : ndarray, shape (bins,)
-        Of the residual, in standard deviations of a block, with its 95 % band; for 'its own past'
-        the autocorrelation, for 'frequency' the power in that of the noise.
-
-    """
-
-    channel: str
+    channel: str  # 'force' or 'motion'
+    # on, unit: the quantity, such as 'velocity'; unit '' if the bins have `names`
     on: str
     unit: str
+    # of the mean square of the residual: explained by the means of the bins; for 'its own past' by
+    # the blocks just before; for 'frequency' 1 less the spectral flatness
     share: float
-    chance: float
-    names: tuple[str, ...]
-    middle: Array
+    chance: float  # 99 % quantile of the share without dependence
+    names: tuple[str, ...]  # of the bins, if they have names
+    middle: Array  # (bins,) of the quantity in each bin; for 'its own past' lags [s]
+    # mean, low, high (bins,): of the residual, in standard deviations of a block, with its 95 %
+    # band; for 'its own past' the autocorrelation, for 'frequency' the power in that of the noise
     mean: Array
     low: Array
     high: Array

@@ -24,29 +24,14 @@ _DRAWS = 400
 
 
 class Part(NamedTuple):
-    """
-    A held-out part with the squared errors of the models on it.
+    """A held-out part with the squared errors of the models on it."""
 
-    Attributes
-    ----------
-    name : str
-        Of the part.
-    force : ndarray, shape (models, blocks)
-        Sums of squared force errors over blocks of a quarter second [N^2].
-    samples : ndarray, shape (blocks,)
-        Samples in them.
-    motion : ndarray, shape (models, blocks), or None
-        Sums of squared position errors [m^2].
-    motion_samples : ndarray, shape (blocks,)
-        Samples in them.
-
-    """
-
-    name: str
+    name: str  # of the part
+    # (models, blocks) sums of squared force errors over blocks of a quarter second [N^2]
     force: Array
-    samples: Array
-    motion: Array | None
-    motion_samples: Array
+    samples: Array  # (blocks,) samples in them
+    motion: Array | None  # (models, blocks) sums of squared position errors [m^2]
+    motion_samples: Array  # (blocks,) samples in them
 
 
 def measure_part(

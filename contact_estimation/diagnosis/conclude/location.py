@@ -35,28 +35,13 @@ _SLOW = 0.15  # of the speed that 95 % of the contact stays below
 
 
 class Location(NamedTuple):
-    """
-    Location of a mismatch.
+    """Location of a mismatch."""
 
-    Attributes
-    ----------
-    port : str
-        'contact', 'force_sensor' or 'robot'.
-    intervals_s : list of (float, float)
-        Times of large residuals [s].
-    phase : str
-        'free', 'entry', 'loading', 'hold', 'unloading' or 'all'.
-    region : str
-        Of depth and speed, in words.
-    band_hz : (float, float)
-        Frequencies between which four fifths of the residual's energy lie.
-
-    """
-
-    port: str
-    intervals_s: list[tuple[float, float]]
-    phase: str
-    region: str
+    port: str  # 'contact', 'force_sensor' or 'robot'
+    intervals_s: list[tuple[float, float]]  # times of large residuals [s]
+    phase: str  # 'free', 'entry', 'loading', 'hold', 'unloading' or 'all'
+    region: str  # of depth and speed, in words
+    # frequencies between which four fifths of the residual's energy lie
     band_hz: tuple[float, float]
 
     def as_dict(self) -> dict[str, Any]:

@@ -26,20 +26,10 @@ _EARLY_S = 0.0012  # less early is how well stamps are known
 
 
 class Offset(NamedTuple):
-    """
-    A topic whose stamps differ from those of the others.
+    """A topic whose stamps differ from those of the others."""
 
-    Attributes
-    ----------
-    topic : str
-        'wrench' or 'joint_states'.
-    seconds : float
-        How late the topic is stamped [s]; negative if early.
-
-    """
-
-    topic: str
-    seconds: float
+    topic: str  # 'wrench' or 'joint_states'
+    seconds: float  # how late the topic is stamped [s]; negative if early
 
     def put_right(self, one: Recording) -> Recording:
         """Shift the stamps of a recording, which count from the first wrench."""

@@ -44,24 +44,13 @@ _CAUSED = ('timing', 'inertia', 'relaxation')  # families that stamps which are 
 
 
 class Given(NamedTuple):
-    """
-    What is diagnosed, after all checks.
+    """What is diagnosed, after all checks."""
 
-    Attributes
-    ----------
-    nominal : Model
-        The model under diagnosis.
-    fitted, held_out : sequence of Recording
-        To fit, and to test on; without the latter a part of the former is held out.
-    checks : list of Check
-        Of all recordings.
-
-    """
-
-    nominal: Model
+    nominal: Model  # the model under diagnosis
+    # fitted, held_out: to fit, and to test on; without the latter a part of the former is held out
     fitted: Sequence[Recording]
     held_out: Sequence[Recording]
-    checks: list[Check]
+    checks: list[Check]  # of all recordings
 
     def with_each(self, change: Callable[[Recording], Recording]) -> 'Given':
         """Return the same with every recording changed."""
@@ -70,32 +59,15 @@ class Given(NamedTuple):
 
 
 class View(NamedTuple):
-    """
-    A way to look at recordings.
+    """A way to look at recordings."""
 
-    Attributes
-    ----------
-    given : Given
-        What is diagnosed, with what the view changes in the signals.
-    between : str
-        Course between samples of a force that drives a wall; a key of BETWEEN.
-    holds_reference : bool
-        Whether the robot holds its reference between setpoints.
-    places : tuple of float
-        Where each contact begins, if at different places [m].
-    moving : bool
-        Whether samples at rest are left out.
-    offset : Offset, optional
-        By which the stamps of a topic are put right.
-
-    """
-
-    given: Given
+    given: Given  # what is diagnosed, with what the view changes in the signals
+    # course between samples of a force that drives a wall; a key of BETWEEN
     between: str = _STRAIGHT
-    holds_reference: bool = False
-    places: tuple[float, ...] = ()
-    moving: bool = False
-    offset: Offset | None = None
+    holds_reference: bool = False  # whether the robot holds its reference between setpoints
+    places: tuple[float, ...] = ()  # where each contact begins, if at different places [m]
+    moving: bool = False  # whether samples at rest are left out
+    offset: Offset | None = None  # by which the stamps of a topic are put right
 
     @property
     def changes(self) -> int:
@@ -104,29 +76,13 @@ class View(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """
-    Models compared in a view.
+    """Models compared in a view."""
 
-    Attributes
-    ----------
-    view : View
-        How the recordings are looked at.
-    recordings : sequence of PreparedRecording
-        Fitted together, without a discrepancy.
-    base : Fit
-        The recalibrated model.
-    models : ContactModels
-        The models.
-    compared : Compared
-        What was found.
-
-    """
-
-    view: View
-    recordings: Recordings
-    base: Fit
-    models: ContactModels
-    compared: Compared
+    view: View  # how the recordings are looked at
+    recordings: Recordings  # fitted together, without a discrepancy
+    base: Fit  # the recalibrated model
+    models: ContactModels  # the models
+    compared: Compared  # what was found
 
     @property
     def best(self) -> Scored:

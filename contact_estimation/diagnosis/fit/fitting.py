@@ -141,29 +141,13 @@ _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged m
 
 
 class Fit(NamedTuple):
-    """
-    A fitted model.
+    """A fitted model."""
 
-    Attributes
-    ----------
-    model : Model
-        With the best values.
-    cost : float
-        Sum of the squared residuals, in standard deviations.
-    residuals : ndarray, shape (R,)
-        At the best values.
-    residual_count : int
-        Number of residuals that are not empty.
-    ended : bool
-        False if the search ran out of steps while the cost was still falling.
-
-    """
-
-    model: Model
-    cost: float
-    residuals: Array
-    residual_count: int
-    ended: bool = True
+    model: Model  # with the best values
+    cost: float  # sum of the squared residuals, in standard deviations
+    residuals: Array  # (R,) at the best values
+    residual_count: int  # number of residuals that are not empty
+    ended: bool = True  # false if the search ran out of steps while the cost was still falling
 
     @property
     def name(self) -> str:

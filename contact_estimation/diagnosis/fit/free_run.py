@@ -51,20 +51,10 @@ def plant_of(model: Model) -> PlantParameters:
 
 
 class Run(NamedTuple):
-    """
-    A free run, sample by sample.
+    """A free run, sample by sample."""
 
-    Attributes
-    ----------
-    position : ndarray, shape (N,)
-        x [m].
-    force : ndarray, shape (N,)
-        Output of the force sensor without noise [N].
-
-    """
-
-    position: Array
-    force: Array
+    position: Array  # (N,) x [m]
+    force: Array  # (N,) output of the force sensor without noise [N]
 
 
 def steps_a_sample(model: Model, o: Observed) -> int:

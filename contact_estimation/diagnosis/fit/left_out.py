@@ -29,20 +29,10 @@ _LEAST_RESIDUALS = 8  # of a part
 
 
 class Part(NamedTuple):
-    """
-    A part of the recordings.
+    """A part of the recordings."""
 
-    Attributes
-    ----------
-    name : str
-        Such as 'episode 2' or '3.0 to 4.5 s'.
-    there : ndarray of bool, shape (R,)
-        Its residuals among the stacked ones of all recordings.
-
-    """
-
-    name: str
-    there: Flags
+    name: str  # such as 'episode 2' or '3.0 to 4.5 s'
+    there: Flags  # (R,) its residuals among the stacked ones of all recordings
 
 
 def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
@@ -150,21 +140,11 @@ _USUAL = 0.455  # median of a squared normal error, in its mean
 class Linearised:
     """
     A fit and its derivatives, from which the fits on some of the parts follow by linear algebra.
-
-    Attributes
-    ----------
-    recordings : sequence of PreparedRecording
-        With the discrepancy of the model.
-    found : Fit
-        On all parts.
-    parts : sequence of Part
-        Of the recordings.
-
     """
 
-    recordings: Recordings
-    found: Fit
-    parts: Sequence[Part]
+    recordings: Recordings  # with the discrepancy of the model
+    found: Fit  # on all parts
+    parts: Sequence[Part]  # of the recordings
     here: Array = field(init=False, repr=False)
     jacobian: Array = field(init=False, repr=False)
 

@@ -118,26 +118,13 @@ _LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that i
 
 
 class _Start(NamedTuple):
-    """
-    A start of an effect beside the nominal model.
+    """A start of an effect beside the nominal model."""
 
-    Attributes
-    ----------
-    model : Model
-        The nominal model with the effect.
-    change : ndarray, shape (R,)
-        Of the residuals.
-    columns : ndarray, shape (R, p)
-        Their derivatives by its free values, for changes by their typical sizes.
-    rescaled : bool
-        Whether the wall is that beside which the effect leaves the measured force.
-
-    """
-
-    model: Model
-    change: Array
+    model: Model  # the nominal model with the effect
+    change: Array  # (R,) of the residuals
+    # (R, p) their derivatives by its free values, for changes by their typical sizes
     columns: Array
-    rescaled: bool
+    rescaled: bool  # whether the wall is that beside which the effect leaves the measured force
 
     @property
     def name(self) -> str:
@@ -146,23 +133,11 @@ class _Start(NamedTuple):
 
 
 class Step(NamedTuple):
-    """
-    A step from a start.
+    """A step from a start."""
 
-    Attributes
-    ----------
-    foretold : float
-        Cost there, foretold by the derivatives.
-    model : Model
-        There.
-    start : Model
-        From where.
-
-    """
-
-    foretold: float
-    model: Model
-    start: Model
+    foretold: float  # cost there, foretold by the derivatives
+    model: Model  # there
+    start: Model  # from where
 
     @property
     def name(self) -> str:
@@ -172,26 +147,12 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """
-    All starts of all effects, beside the nominal model.
+    """All starts of all effects, beside the nominal model."""
 
-    Attributes
-    ----------
-    recordings : sequence of PreparedRecording
-        With a common discrepancy.
-    base : Fit
-        The recalibrated model.
-    names : sequence of str
-        The effects.
-    scales : Scales
-        Magnitudes of motion and forces.
-
-    """
-
-    recordings: Recordings
-    base: Fit
-    names: Sequence[str]
-    scales: Scales
+    recordings: Recordings  # with a common discrepancy
+    base: Fit  # the recalibrated model
+    names: Sequence[str]  # the effects
+    scales: Scales  # magnitudes of motion and forces
 
     def _straight(self, model: Model, values: Array) -> Array:
         """Return residuals that are neither bent nor have a long memory."""

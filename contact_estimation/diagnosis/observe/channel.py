@@ -20,29 +20,16 @@ LEAST_VARIANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """
-    How the errors of one signal, force or motion, become residuals.
+    """How the errors of one signal, force or motion, become residuals."""
 
-    Attributes
-    ----------
-    noise : float
-        Standard deviation of the error of a correct model, a sample [N] or [m].
-    spread : ndarray, shape (N,)
-        Factor by which jitter of the stamps widens the noise of each sample, not the discrepancy.
-    use : ndarray of bool, shape (N,)
-        Samples that count.
-    block : int
-        Samples averaged to one residual.
-    discrepancy : float
-        Standard deviation of what no law of the library explains, in the unit of the noise. It
-        is correlated over a block and longer, so that averaging does not reduce it.
-
-    """
-
-    noise: float
+    noise: float  # standard deviation of the error of a correct model, a sample [N] or [m]
+    # (N,) factor by which jitter of the stamps widens the noise of each sample, not the
+    # discrepancy
     spread: Array
-    use: Flags
-    block: int
+    use: Flags  # (N,) samples that count
+    block: int  # samples averaged to one residual
+    # standard deviation of what no law of the library explains, in the unit of the noise. It is
+    # correlated over a block and longer, so that averaging does not reduce it
     discrepancy: float = 0.0
 
     @cached_property
@@ -106,20 +93,10 @@ def _in_blocks(signal: Array, block: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Discount:
-    """
-    The whitening of residuals r with covariance I + C C^T, C the columns given to `of`.
+    """The whitening of residuals r with covariance I + C C^T, C the columns given to `of`."""
 
-    Attributes
-    ----------
-    directions : ndarray, shape (R, C)
-        Orthonormal.
-    shares : ndarray, shape (C,)
-        The part of the residuals along each direction that is taken away, 0 to 1.
-
-    """
-
-    directions: Array
-    shares: Array
+    directions: Array  # (R, C) orthonormal
+    shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
 
     @classmethod
     def of(cls, columns: Array) -> 'Discount':

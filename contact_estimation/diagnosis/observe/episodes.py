@@ -29,20 +29,10 @@ _LATE = (3, 4, 2)  # those that may be held out, the best place first
 
 
 class HeldOut(NamedTuple):
-    """
-    The part of a recording that is excluded from fitting.
+    """The part of a recording that is excluded from fitting."""
 
-    Attributes
-    ----------
-    name : str
-        Such as 'episode 2' or '1.0 to 1.3, 2.0 to 2.3, 3.0 to 3.3 s'.
-    samples : ndarray of bool, shape (N,)
-        Its samples.
-
-    """
-
-    name: str
-    samples: Flags
+    name: str  # such as 'episode 2' or '1.0 to 1.3, 2.0 to 2.3, 3.0 to 3.3 s'
+    samples: Flags  # (N,) its samples
 
 
 def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:

@@ -31,23 +31,11 @@ _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value ov
 
 
 class Laws(NamedTuple):
-    """
-    The equations of a model.
+    """The equations of a model."""
 
-    Attributes
-    ----------
-    contact : ContactLaw
-        Wall.
-    chain : list of ForceSensorEffect
-        Force sensor, in order of action.
-    robot : RobotLaw
-        Robot.
-
-    """
-
-    contact: ContactLaw
-    chain: list[ForceSensorEffect]
-    robot: RobotLaw
+    contact: ContactLaw  # wall
+    chain: list[ForceSensorEffect]  # force sensor, in order of action
+    robot: RobotLaw  # robot
 
     def at_wall(self, observed: Observed) -> tuple[Array, Array, Array]:
         """Return the motion of what touches the wall."""
@@ -64,31 +52,15 @@ class Laws(NamedTuple):
 
 @dataclass(frozen=True)
 class Model:
-    """
-    Nominal parameters, effects by name, and the values that are fitted.
+    """Nominal parameters, effects by name, and the values that are fitted."""
 
-    Attributes
-    ----------
-    nominal : PlantParameters
-        The source of all values that are not fitted.
-    effects : tuple of str
-        Names.
-    values : tuple of float
-        K_e, B_e, (M_e), then the effects' parameters in order.
-    with_inertia : bool
-        Whether M_e is fitted.
-    excluded : frozenset of str
-        Effects that must not be added: wrong use would look like them.
-    given : tuple of str
-        Effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named.
-
-    """
-
-    nominal: PlantParameters
-    effects: tuple[str, ...]
-    values: tuple[float, ...]
-    with_inertia: bool
+    nominal: PlantParameters  # the source of all values that are not fitted
+    effects: tuple[str, ...]  # names
+    values: tuple[float, ...]  # K_e, B_e, (M_e), then the effects' parameters in order
+    with_inertia: bool  # whether M_e is fitted
+    # effects that must not be added: wrong use would look like them
     excluded: frozenset[str] = frozenset()
+    # effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named
     given: tuple[str, ...] = ()
 
     @classmethod

@@ -23,58 +23,29 @@ _ABSURD = 1e30  # in any unit
 
 
 class Signals(NamedTuple):
-    """
-    The content of a recording; times are counted from the first wrench [s].
+    """The content of a recording; times are counted from the first wrench [s]."""
 
-    Attributes
-    ----------
-    wrench_t, force : ndarray, shape (N,)
-        Measured F_e [N].
-    joint_t, position : ndarray, shape (J,)
-        x [m].
-    reference_t : ndarray, shape (R,)
-        Empty without a reference trajectory.
-    reference : ndarray, shape (4, R)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN.
-
-    """
-
+    # wrench_t, force (N,): measured F_e [N]
     wrench_t: Array
     force: Array
+    # joint_t, position (J,): x [m]
     joint_t: Array
     position: Array
-    reference_t: Array
-    reference: Array
+    reference_t: Array  # (R,) empty without a reference trajectory
+    reference: Array  # (4, R) x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """
-    A recording to be diagnosed.
+    """A recording to be diagnosed."""
 
-    Attributes
-    ----------
-    name : str
-        For texts.
-    signals : Signals
-        As recorded.
-    stamps_back_s : float
-        By how much a stamp lay before that of an earlier message, at most [s].
-    damage : str
-        What of the file could not be read; '' if all was.
-    rests_count : bool
-        Whether the stretches count in which a drive is held at rest.
-    tare : Tare or None
-        What was subtracted from the force.
-
-    """
-
-    name: str
-    signals: Signals
+    name: str  # for texts
+    signals: Signals  # as recorded
+    # by how much a stamp lay before that of an earlier message, at most [s]
     stamps_back_s: float = 0.0
-    damage: str = ''
-    rests_count: bool = True
-    tare: Tare | None = None
+    damage: str = ''  # what of the file could not be read; '' if all was
+    rests_count: bool = True  # whether the stretches count in which a drive is held at rest
+    tare: Tare | None = None  # what was subtracted from the force
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:

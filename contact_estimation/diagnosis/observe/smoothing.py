@@ -28,16 +28,9 @@ _FELT = 10.0  # times the noise of the force
 
 
 class Derivatives(NamedTuple):
-    """
-    A smooth signal with its derivatives.
+    """A smooth signal with its derivatives."""
 
-    Attributes
-    ----------
-    value, rate, acceleration : ndarray, shape (N,)
-        In the signal's unit, per second, per second squared.
-
-    """
-
+    # value, rate, acceleration (N,): in the signal's unit, per second, per second squared
     value: Array
     rate: Array
     acceleration: Array
