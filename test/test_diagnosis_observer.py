@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.applicable import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
+from contact_estimation.diagnosis.fit.space import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
     innovations, kalman_filter, run, run_velocity)

@@ -12,25 +12,17 @@ from pathlib import Path
 from typing import Any, Sequence
 
 from .command_line import (
-    add_params_option,
-    add_source_options,
-    chosen_parameters,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    topics_of,
-)
+    add_params_option, add_source_options, chosen_parameters, command, different_files, new_file,
+    Parser, topics_of)
 from .diagnose_arm import run as run_arm
 from .progress import Progress
 from .reading_options import add_tare_option, reading_of
 from ..diagnosis.compare.beam import as_dict as comparison
-from ..diagnosis.conclude.diagnose import diagnose
+from ..diagnosis.conclude.diagnose import diagnose, diagnose_simulation, simulation_text
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
-from ..diagnosis.conclude.simulated import diagnose_simulation, simulation_text
 from ..diagnosis.fit.free_run import plant_of
-from ..diagnosis.observe.read_recording import read_recording
+from ..diagnosis.observe.signals import read_recording
 from ..diagnosis.report.json_report import as_dict, model_file
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text

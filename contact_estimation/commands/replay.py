@@ -13,23 +13,15 @@ import time
 from typing import Any, Protocol, Sequence
 
 from .command_line import (
-    add_params_option,
-    add_source_options,
-    chosen_parameters,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-    topics_of,
-)
+    add_params_option, add_source_options, chosen_parameters, command, different_files, new_file,
+    Parser, source_of, topics_of)
 from .picture import picture_trace, write_picture
 from .progress import Progress
 from .reading_options import add_tare_option, print_columns, reading_of
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from .replayed_parameters import replayed_parameters
 from ..diagnosis.checks import check
-from ..diagnosis.observe.read_recording import read_recording
+from ..diagnosis.observe.signals import read_recording
 from ..estimators import ONLINE_ESTIMATORS
 from ..estimators.estimate import AxesEstimates
 from ..estimators.stiffness_matrix import MatrixEstimate

@@ -16,7 +16,7 @@ from ..parameters.specification import group, ParameterGroup
 def _class_of(name: str) -> type[Effect]:
     """Import the class of an effect from the file of its name."""
     found: type[Effect] = getattr(
-        import_module(f'.{name}', __name__), name.title().replace('_', ''))
+        import_module(f'.{name}', __package__), name.title().replace('_', ''))
     return found
 
 

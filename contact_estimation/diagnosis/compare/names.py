@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import Callable, NamedTuple, Sequence
 
 from .beam import Compared
-from .evidence import Evidence, explained, of_families, Scored, Share, share_of
-from .order import ranked_by, ZEROS
+from .evidence import Evidence, explained, of_families, ranked_by, Scored, Share, share_of, ZEROS
 
 _LISTED = 3  # effects in the place of one, at most
 

@@ -17,14 +17,12 @@ from .location import locate, Location
 from .next_experiment import advice, nearly
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
 from .views import Progress, Seen
-from ..compare.evidence import explained, Scored, share_of
+from ..compare.evidence import explained, ranked_by, Scored, share_of, ZEROS
 from ..compare.names import name, Named, parts, without_least
-from ..compare.order import ranked_by, ZEROS
-from ..fit.applicable import untried
-from ..fit.discrepancy import material, standard_deviations
+from ..fit.discrepancy import discounted, material, standard_deviations
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run, refine
-from ..fit.model_uncertainty import discounted
+from ..fit.space import untried
 from ..observe.model import Model
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.residuals import force_residual

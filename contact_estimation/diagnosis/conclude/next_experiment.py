@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .result import Diagnosis, NamedEffect
-from ..compare.evidence import Evidence, explained, Scored
-from ..compare.order import ranked_by
+from ..compare.evidence import Evidence, explained, ranked_by, Scored
+from ..fit.discrepancy import discounted
 from ..fit.fitting import differentiate_by, residual_function
 from ..fit.free_run import plant_of, steps_a_sample
-from ..fit.model_uncertainty import discounted
-from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
+from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable

@@ -20,10 +20,10 @@ from .offsets import Offset, offset_of
 from ..checks.check import Check
 from ..compare.beam import Compared, refit, search
 from ..compare.evidence import Scored
+from ..fit.discrepancy import discounted, without_ripple
 from ..fit.fitting import Fit, fit
 from ..fit.free_run import free_run
 from ..fit.left_out import Part
-from ..fit.model_uncertainty import discounted, without_ripple
 from ..fit.space import ContactModels
 from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.model import Model

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from .discrepancy import CHANNELS
 from .fitting import Fit, jacobian_at, residual_function
-from ..checks.measures import bend_of, STRAIGHT
-from ..observe.episodes import episodes
+from ..checks.check import bend_of, STRAIGHT
 from ..observe.model import Model
+from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, huber, ROBUST
 

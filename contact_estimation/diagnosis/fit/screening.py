@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
-from ..compare.order import prior, ranked_by
+from ..compare.evidence import prior, ranked_by
 from ..observe.model import Model, names_of, rescales_wall
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .link import link_against_wall
 from .observed import Observed
+from .observer import link_against_wall
 from ...parameters.specification import of_valid, own_specifications
 from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw

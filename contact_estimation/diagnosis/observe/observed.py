@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import OBSERVER_CUTOFF, run
 from .signals import check_signals, Signals
 from .smoothing import (
-    cycle_frequency, differentiate, pace_of, rate_noise, slower_by_force, smooth, smooth_enough,
-    STEADY_CUTOFFS_HZ, white_noise_std)
+    cycle_frequency, differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
+    rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
 from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters

@@ -13,11 +13,11 @@ from typing import Any, Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .channel import Channel, Discount, sum_blocks
-from .episodes import HeldOut, hold_out, require_contact
+from .channel import (
+    Channel, Discount, force_error, force_noise, innovation_error, motion_noise, sum_blocks)
 from .model import Model
-from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed
+from .parts import HeldOut, hold_out, require_contact
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
 from ...physics.numeric import SecondOrder

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
-from .link import at_touch_down, run_jointed
 from .model import Laws, Model
-from .observer import innovations, innovations_of, run
+from .observer import at_touch_down, innovations, innovations_of, run, run_jointed
 from .prepared_recording import PreparedRecording
 from ...physics.numeric import discretise
 from ...physics.robot_law import RobotLaw

@@ -20,7 +20,7 @@ from ..blind_trials.family_scoring import (
 from ..blind_trials.study import diagnose_command
 from ...commands.command_line import command, new_file, Parser
 from ...commands.progress import Progress
-from ...diagnosis.observe.read_recording import read_recording
+from ...diagnosis.observe.signals import read_recording
 from ...exceptions import ParameterRangeError, RecordingError
 from ...physics import EFFECTS
 
