@@ -138,31 +138,11 @@ def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
     return recording, fit([recording], model)
 
 
-@pytest.mark.parametrize('frequency, credible', [
-    (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
-def test_a_resonance_needs_one_period_and_eight_samples_in_it(
-    frequency: float, credible: bool
-) -> None:
+@pytest.mark.parametrize('frequency, credible', [(0.06, False), (0.07, True)])
+def test_a_resonance_needs_one_period(frequency: float, credible: bool) -> None:
     recording, found = prepared(specimen(THERE_AND_BACK, 0.0))
     model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
     assert is_credible([recording], model) is credible
-
-
-@pytest.mark.parametrize('effect, values, credible', [
-    ('free_play', (0.002, 0.0005, 1.0), True),
-    ('free_play', (0.002, -0.0095, 1.0), False),
-    ('free_play', (161.0, -80.0, 1.0), False),
-    ('bilinear_stiffness', (500.0, 0.003), True),
-    ('bilinear_stiffness', (500.0, 0.03), False),
-])
-def test_the_motion_passes_every_depth_at_which_a_law_bends(
-    effect: str, values: tuple[float, ...], credible: bool
-) -> None:
-    recording, model = prepared_from(recorded(environment__unilateral=False),
-                                     nominal(environment__unilateral=False))
-    least, most = np.quantile(recording.observed.x, (0.01, 0.99))
-    assert -0.0105 < least < -0.001 and 0.004 < most < 0.03
-    assert is_credible([recording], model.with_effect(effect, values)) is credible
 
 
 @pytest.mark.parametrize('name, values, clips', [

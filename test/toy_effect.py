@@ -16,7 +16,7 @@ from contact_estimation.physics.prior import Prior, Scales
 
 @dataclass(frozen=True)
 class ToyEffect(ContactEffect):
-    """R = K_5 d^5."""
+    """The wall hardens suddenly."""
 
     K_5: float = optional_parameter('Coefficient of the fifth power', 'N/m^5')
 

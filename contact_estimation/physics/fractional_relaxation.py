@@ -27,11 +27,7 @@ _LEAST, _MOST = 0.02, 0.98  # alpha of what is no spring and no damper yet
 
 
 class _Weights(NamedTuple):
-    """
-    The force relaxes over all time scales, by a power of time (springpot).
-
-    D^alpha of Caputo; d = 0 out of contact, constant before the first sample.
-    """
+    """D^alpha as springs and a damper."""
 
     damper: float  # of all branches that are faster than _TIMES [s^(1 - alpha)]
     # one that never relaxes for all slower branches, then those of _TIMES [s^-alpha]
@@ -112,12 +108,13 @@ def _force_of_history(h: float, alpha: float) -> Array:
 @dataclass(frozen=True)
 class FractionalRelaxation(ContactEffect):
     """
-    R = C D^alpha d (Caputo); d = 0 out of contact, constant before the first sample.
+    The force relaxes over all time scales, by a power of time (springpot).
 
-    A sum of Maxwell branches of fixed time constants, in which alpha is in the weights alone. A
-    branch is in equilibrium long before the step of an integration ends, or long after it: the
-    integrated states are time and displacement since the last step, with which `settle` advances
-    all branches exactly along a straight line.
+    D^alpha of Caputo; d = 0 out of contact, constant before the first sample. It is a sum of
+    Maxwell branches of fixed time constants, in which alpha is in the weights alone. A branch is in
+    equilibrium long before the step of an integration ends, or long after it: the integrated
+    states are time and displacement since the last step, with which `settle` advances all branches
+    exactly along a straight line.
     """
 
     C: float = optional_parameter(
