@@ -111,7 +111,7 @@ class FractionalRelaxation(ContactEffect):
     The force relaxes over all time scales, by a power of time (springpot).
 
     D^alpha of Caputo; d = 0 out of contact, constant before the first sample. It is a sum of
-    Maxwell branches of fixed time constants, in which alpha is in the weights alone. A branch is in
+    Maxwell branches of fixed time constants, in which alpha is in the weights alone. Each is in
     equilibrium long before the step of an integration ends, or long after it: the integrated
     states are time and displacement since the last step, with which `settle` advances all branches
     exactly along a straight line.
