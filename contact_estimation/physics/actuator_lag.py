@@ -1,13 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from .prior import Prior, Scales
-from .robot_effect import RobotEffect
-from ..parameters.specification import optional_parameter
+from .law import optional_parameter, Prior, RobotEffect, Scales
 
 _SLOWEST_S = 0.1  # of a force or torque loop
 

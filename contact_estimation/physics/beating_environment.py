@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import astuple, dataclass
 from itertools import combinations
 from math import pi
@@ -10,12 +8,9 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .effect import Need, Seen
+from .law import (
+    ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength)
 from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
-from .numeric import Number
-from .prior import log_uniform, Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
 
 _PERIODS = 3.0  # fewest of the slower tone
 

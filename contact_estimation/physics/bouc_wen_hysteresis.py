@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from math import expm1, log1p
@@ -11,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect, State
-from .effect import Need
-from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
-from .prior import log_uniform, Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import (
+    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
+    path_of, Prior, Scales, State, Strength, stretches)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear

@@ -1,15 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 from .adhesion import Adhesion
-from .numeric import Number
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from .contact_effect import ContactEffect
-from .effect import Need
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import ContactEffect, Need, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from .contact_effect import ContactEffect, State
-from .effect import Seen
+from .law import (
+    Array, ContactEffect, discretise, Flags, Number, optional_parameter, Prior, Scales, Seen,
+    State)
 from .moving_environment import MANY_PERIODS
-from .numeric import Array, discretise, Flags, Number
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
 _LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion

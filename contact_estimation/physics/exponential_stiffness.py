@@ -1,18 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import expm1
 from typing import Any
 
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .numeric import Number, positive
-from .prior import Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import ContactEffect, Number, optional_parameter, positive, Prior, Scales, Strength
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 

@@ -1,15 +1,10 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
-from .force_sensor_effect import ForceSensorEffect
-from .numeric import Number
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import ForceSensorEffect, Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -11,10 +9,8 @@ import numpy as np
 from numpy.random import Generator
 
 from .force_lag import ForceLag
-from .force_sensor_effect import ForceSensorEffect, Reader
-from .numeric import Array
-from .prior import log_uniform, Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import (
+    Array, ForceSensorEffect, log_uniform, optional_parameter, Prior, Reader, Scales, Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording

@@ -1,13 +1,10 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from .effect import Need
 from .force_creep import ForceCreep
-from ..parameters.specification import optional_parameter
+from .law import Need, optional_parameter
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.random import Generator
 
-from .effect import Need, Seen
-from .force_sensor_effect import ForceSensorEffect
-from .numeric import Number
-from .prior import Prior, random_sign, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import (
+    ForceSensorEffect, Need, Number, optional_parameter, Prior, random_sign, Scales, Seen,
+    Strength)
 
 CALIBRATED = 0.05
 """Relative error of the sensitivity that is usual."""

@@ -1,17 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp
 
 import numpy as np
 
-from .force_sensor_effect import ForceSensorEffect, Reader
-from .numeric import Array
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import Array, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
 
 _SLOWEST_S = 0.2  # of a force sensor; a specimen that relaxes looks the same
 

@@ -1,20 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 import numpy as np
 
-from .effect import Need, Seen
 from .force_gain import CALIBRATED
-from .force_sensor_effect import ForceSensorEffect
-from .numeric import Number
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
 
 
 @dataclass(frozen=True)

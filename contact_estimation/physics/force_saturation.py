@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import math
 from typing import Any
@@ -10,11 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .effect import Seen
-from .force_sensor_effect import ForceSensorEffect
-from .numeric import Number
-from .prior import Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength
 
 
 @dataclass(frozen=True)

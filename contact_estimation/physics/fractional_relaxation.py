@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import exp, expm1, inf, log, pi, sin
@@ -12,12 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect, State
-from .effect import Need
-from .numeric import Array, Flags, Number
-from .prior import Prior, Scales, Strength
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, Strength)
 from .viscoelastic_relaxation import REPELS
-from ..parameters.specification import optional_parameter
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
 _SPACING = log(10.0) / _PER_DECADE

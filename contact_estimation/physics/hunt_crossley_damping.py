@@ -1,16 +1,10 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
-from .contact_effect import ContactEffect
-from .effect import Need
-from .numeric import Number, positive
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales
 
 LARGEST_DAMPING = 300.0
 """Largest plausible damping at half the depth [N s/m]."""

@@ -1,15 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import astuple, dataclass
 
 from numpy.random import Generator
 
-from .prior import Prior, random_sign, Scales, Strength
-from .robot_effect import RobotEffect
-from ..parameters.specification import optional_parameter
+from .law import optional_parameter, Prior, random_sign, RobotEffect, Scales, Strength
 
 _ALIKE = 0.3  # of their mean deviation from 1: less between the scales is one for all
 

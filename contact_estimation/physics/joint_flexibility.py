@@ -1,13 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
-from .prior import Prior, Scales
-from .robot_effect import Joint, RobotEffect
-from ..parameters.specification import optional_parameter
+from .law import Joint, optional_parameter, Prior, RobotEffect, Scales
 
 _DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes
 _MOST_LINK = 0.9  # of M_t: a motor has some mass

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -10,11 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .effect import Need, Seen
-from .numeric import Number
-from .prior import log_uniform, Prior, Scales, Strength, Tone
-from ..parameters.specification import optional_parameter
+from .law import (
+    ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength,
+    Tone)
 
 MANY_PERIODS = 8.0
 """Least periods in a recording of an oscillation that cannot follow any slow misfit."""

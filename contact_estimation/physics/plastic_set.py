@@ -1,18 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .contact_effect import ContactEffect, State
-from .effect import Need
-from .numeric import Array, Flags, Number, positive
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
 from .hunt_crossley_damping import LARGEST_DAMPING
-from .numeric import Number
-from .prior import Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
 
 
 @dataclass(frozen=True)

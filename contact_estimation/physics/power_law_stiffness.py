@@ -1,18 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .effect import Need
-from .numeric import Number, positive
-from .prior import Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales, Strength
 
 _LEAST_POWER = 0.3  # of less the force is a step
 

@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import copysign, exp
@@ -11,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect, State
-from .effect import Need
-from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
-from .prior import log_uniform, Prior, Scales, Strength
-from ..parameters.specification import optional_parameter
+from .law import (
+    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
+    path_of, Prior, Scales, State, Strength, stretches)
 
 
 @lru_cache(maxsize=8)

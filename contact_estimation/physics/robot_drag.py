@@ -1,15 +1,10 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
-from .numeric import Number
-from .prior import Prior, Scales
-from .robot_effect import RobotEffect
-from ..parameters.specification import optional_parameter
+from .law import Number, optional_parameter, Prior, RobotEffect, Scales
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.random import Generator
 
-from .numeric import Number
-from .prior import Prior, Scales, Strength
-from .robot_effect import RobotEffect
-from ..parameters.specification import optional_parameter
+from .law import Number, optional_parameter, Prior, RobotEffect, Scales, Strength
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp
 from typing import Any
 
 import numpy as np
 
-from .contact_effect import ContactEffect, State
-from .effect import Need
-from .numeric import Array, Flags, Number, stretches
-from .prior import Prior, Scales
-from ..parameters.specification import optional_parameter
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, stretches)
 
 REPELS = 0.1
 """Share of a branch by which the spring beside it may repel, by the error of a fit."""
