@@ -12,12 +12,11 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_effect import ContactEffect
+from .contact_effect import ContactEffect, State
 from .effect import Effect
 from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
-State = tuple[float, ...]
 _KEPT = KeptMotion()
 _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 
@@ -74,12 +73,7 @@ class ContactLaw:
         return bool(self._transmissions or self._deflections or self._springs)
 
     def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
-        """
-        Return the penetration at the wall.
-
-        t, x, v (N,): time [s], position [m] and velocity [m/s] of the end-effector
-        Returns d, v (N,): penetration [m] and its rate [m/s]
-        """
+        """Return d [m], its rate [m/s] and engagement at the wall for a tip at x, v (N,)."""
         d, engaged = x - self._x_e, True
         for effect, place in self._surfaces:
             shift, rate = effect.surface(t, states[place], m)
@@ -168,11 +162,7 @@ class ContactLaw:
         return [(effect, place, *own.get(id(effect), here)) for effect, place in self._stateful]
 
     def motion_along(self, t: Array, x: Array, v: Array) -> WallMotion:
-        """
-        Integrate all internal states along a recorded motion.
-
-        t, x, v (N,): time [s], evenly spaced, position [m] and velocity [m/s]
-        """
+        """Integrate all internal states along a recorded motion, evenly spaced (N,)."""
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
         if not moving:
             return WallMotion(StatesAlong(), x - self._x_e, v, True)
@@ -204,13 +194,7 @@ class ContactLaw:
         return d > 0.0 if self.unilateral else np.ones(len(d), bool)
 
     def force_and_depth(self, t: Array, x: Array, v: Array, a: Array) -> tuple[Array, Array]:
-        """
-        Predict F_e from a recorded motion.
-
-        t, x, v, a (N,): time [s], evenly spaced, position [m] and its derivatives [m/s], [m/s^2]
-        Returns F_e (N,): force on the end-effector [N]
-        Returns d (N,): penetration [m]
-        """
+        """Predict F_e [N] and d [m] from a recorded motion, evenly spaced (N,)."""
         states, d, rate, engaged = self.motion_along(t, x, v)
         touch = self._touch(t, d, rate, engaged, states, np)
         pressing = -(touch.resistance + self.inertia * a if self.inertia else touch.resistance)
@@ -224,11 +208,7 @@ class ContactLaw:
         return self.force_and_depth(t, x, v, a)[0]
 
     def contact(self, t: Array, x: Array, v: Array) -> NDArray[np.bool_]:
-        """
-        Return where the surface is reached; parameters as `force_and_depth`.
-
-        Returns contact (N,): d > 0
-        """
+        """Return where d > 0, (N,); parameters as `force_and_depth`."""
         return np.asarray(self.motion_along(t, x, v).d > 0.0)
 
 

@@ -43,12 +43,7 @@ class ForceLag(ForceSensorEffect):
         return np.asarray(measured + self.tau * np.gradient(measured, t))
 
     def weights(self, dt: float) -> tuple[float, float, float]:
-        """
-        Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1.
-
-        dt: the step [s]
-        Returns decay, begin, end: weights of the last y and of the forces [1]
-        """
+        """Return decay, begin, end of a step [s]: y = decay y_0 + begin F_0 + end F_1."""
         if dt <= 0.0 or self.tau < 1e-3 * dt:
             return 0.0, 0.0, 1.0
         decay = exp(-dt / self.tau)

@@ -16,6 +16,7 @@ import math
 from math import nan
 from typing import Callable, NamedTuple, Sequence
 
+from .contact_effect import State
 from .contact_law import ContactLaw
 from .effect import Effect
 
@@ -25,7 +26,6 @@ _NEAR = 1e-7  # step of the difference quotient of phi_K [m]
 _FAR = 1.0  # out of reach of any wall [m]
 _APPROACH = 50  # samples outside the wall, in which a play is taken up
 _KEPT = 1000  # samples of motion while the surface is not known
-State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
 
 WAITING = 'waiting for consecutive samples'
@@ -101,11 +101,7 @@ class KnownWall:
         self._terms: deque[WallTerms] = deque(maxlen=3)
 
     def take(self, now: Motion, location: float) -> Sequence[WallTerms]:
-        """
-        Process one sample.
-
-        location: x_e nominal [m]; NaN: not known
-        """
+        """Process one sample; location is x_e nominal [m], NaN if unknown."""
         if location != location:
             if self._last is not None:
                 self._rest()

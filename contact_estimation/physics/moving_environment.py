@@ -53,10 +53,6 @@ class MovingEnvironment(ContactEffect):
 
 
 def oscillation(tone: Tone, scales: Scales) -> tuple[float, float, float]:
-    """
-    Return the motion of a surface that a tone of the contact residual suggests.
-
-    tone: frequency [Hz] and amplitude [N]
-    """
+    """Return the motion that a tone [Hz], [N] of the contact residual suggests."""
     frequency, peak = tone
     return abs(peak) / scales.spring, frequency, float(np.angle(1j * peak))

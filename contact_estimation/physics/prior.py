@@ -91,21 +91,15 @@ class Scales(NamedTuple):
         return self.spectrum or ((0.2 / self.pace, complex(0.0, -0.02 * self.force)),)
 
     def time_constants(self) -> list[float]:
-        """
-        Return time constants from that of a sample to that of the recording.
-
-        Returns time_constants: 3 to 9 of them [s], about 1.5 a decade, increasing
-        """
+        """Return 3 to 9 time constants [s], of a sample to that of the recording."""
         least = max(2.0 * self.sample_period, 1e-5 * self.duration)
         return _spread(min(least, 0.1 * self.duration), self.duration, 1.5)
 
     def delays(self) -> list[float]:
         """
-        Return delays from half a sample to a fifth of the pace of the motion, at most 0.1 s.
+        Return 3 to 9 delays [s] from half a sample to a fifth of the pace, at most 0.1 s.
 
         Sensors and buses are no slower, however slow the motion; a start may be three samples.
-
-        Returns delays: 3 to 9 of them [s], about 2.5 a decade, increasing
         """
         most = max(min(0.2 * self.pace, _SLOWEST_S), 3.0 * self.sample_period)
         return _spread(max(0.5 * self.sample_period, 1e-3 * most), most, 2.5)
