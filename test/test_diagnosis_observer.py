@@ -138,8 +138,11 @@ def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
     return recording, fit([recording], model)
 
 
-@pytest.mark.parametrize('frequency, credible', [(0.06, False), (0.07, True)])
-def test_a_resonance_needs_one_period(frequency: float, credible: bool) -> None:
+@pytest.mark.parametrize('frequency, credible', [
+    (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
+def test_a_resonance_needs_one_period_and_eight_samples_in_it(
+    frequency: float, credible: bool
+) -> None:
     recording, found = prepared(specimen(THERE_AND_BACK, 0.0))
     model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
     assert is_credible([recording], model) is credible

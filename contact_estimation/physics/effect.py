@@ -42,6 +42,7 @@ class Seen(Protocol):
 
     force: float  # largest measured [N]
     duration: float  # [s]
+    sample_period: float  # [s]
 
     def clips(self, limit: float) -> bool:
         """Return whether the measured force is level where a sensor would clip it [N]."""

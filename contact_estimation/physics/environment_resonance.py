@@ -13,6 +13,7 @@ from .law import (
 from .moving_environment import MANY_PERIODS
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
+_RESOLVED = 0.125  # periods a sample
 _LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion
 
 
@@ -72,8 +73,9 @@ class EnvironmentResonance(ContactEffect):
         return self.frequency * duration < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
-        """Need a period: what is slower only bends the course of the force."""
-        return self.frequency * seen.duration >= 1.0
+        """Need a period, and samples in it: else it is the course of the force alone."""
+        fastest = _RESOLVED / seen.sample_period
+        return 1.0 / seen.duration <= self.frequency <= fastest
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:

@@ -103,6 +103,7 @@ class _Recorded:
         self._recording, self._model = recording, model
         self.force = float(np.max(np.abs(recording.observed.force)))
         self.duration = float(recording.observed.t[-1])
+        self.sample_period = recording.observed.h
 
     def clips(self, limit: float) -> bool:
         """
