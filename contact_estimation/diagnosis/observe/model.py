@@ -26,7 +26,6 @@ Array = NDArray[np.float64]
 
 _NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
-_OF_SPRING = ('wall_motion', 'clearance')  # families that show through K_e, or a law for it
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
@@ -229,18 +228,9 @@ class Model:
         return [self.effect(name) for name in EFFECTS if name in self.effects]
 
     def plausible(self) -> bool:
-        """Return whether the values of each effect are physically plausible together."""
-        return all(map(self.is_plausible, self.effects))
-
-    def is_plausible(self, name: str) -> bool:
-        """Return whether the values of one effect are physically plausible together."""
-        if EFFECTS[name].family in _OF_SPRING and self._lost_its_spring():
-            return False
-        return self.effect(name).is_possible(self.stiffness, self.damping)
-
-    def _lost_its_spring(self) -> bool:
-        """Return whether an attached wall is fitted without K_e, nor a law in its place."""
-        return not self.nominal.environment.unilateral and bool(self.free[0] and self.at_end[0])
+        """Return whether the values of each effect are physically possible together."""
+        return all(self.effect(name).is_possible(self.stiffness, self.damping)
+                   for name in self.effects)
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 from .observer import OBSERVER_CUTOFF, run
 from .signals import check_signals, Signals
 from .smoothing import (
-    cycle_frequency, differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
+    differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
     rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
 from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
@@ -65,11 +65,6 @@ class Observed:
     def pace(self) -> float:
         """Factor on all times, see `pace_of`."""
         return pace_of(self.h, float(self.t[-1] - self.t[0]))
-
-    @cached_property
-    def cycle(self) -> float:
-        """Frequency of a cyclic motion [Hz], see `cycle_frequency`."""
-        return cycle_frequency(self.t, self.x)
 
     @property
     def start(self) -> Flags:
