@@ -38,6 +38,9 @@ Array = NDArray[np.float64]
 ZEROS = ('force_bias', 'contact_offset')
 """Constants of sensor and surface that every rig has to some extent."""
 
+DRAWS = 400
+"""Of bootstraps and permutations: probabilities to two and a half per cent at worst."""
+
 TIE = 1e-6
 """
 Relative difference up to which scores are equal, and absolute one of scores below 1.
@@ -95,7 +98,6 @@ def is_tie(score: float, other: float) -> bool:
 
 
 _NOISE_IS_KNOWN = 1.2  # factor by which it may be larger than measured
-_DRAWS = 400  # of the Bayesian bootstrap: probabilities to two and a half per cent at worst
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
 _LEAST = 0.01  # of the mean misfit, or of noise: the least misfit of a part
 _ALL_IN_ONE = 1e-3  # share of the misfit in all parts but one: a jackknife tells nothing
@@ -218,7 +220,7 @@ class Evidence:
         both = [self.log_likelihoods(one) for one in models]
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]
-        drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), _DRAWS)
+        drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), DRAWS)
         scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T)
         scores += [self.log_prior(one) for one in models]
         scores = scores / self.constants.temperature

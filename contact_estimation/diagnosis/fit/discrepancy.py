@@ -23,10 +23,11 @@ from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
 from .fitting import differentiate_by, Fit, jacobian_at, residual_function
+from ..checks.check import WORTH_A_NAME
 from ..observe.channel import Channel, Discount, LEAST_VARIANCE, sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
-from ..observe.residuals import residuals, response_to
+from ..observe.residuals import residuals, response_to, ROBUST
 
 Array = NDArray[np.float64]
 
@@ -142,11 +143,9 @@ CHANNELS = 2
 """Force, which contact and sensor decide, and motion, which the robot does; a wall driven by a
 force has its motion only, which then comes first."""
 
-_OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
 _REWEIGHTED = 5  # times; the discrepancy and its weights depend on each other
 _MOST_LAGS = 200
 _WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
-_MATERIAL = 0.006  # of the range of the force
 _MATCHED = 0.05  # relative, of the size of an unknown force
 _CLUSTER_S = 0.5
 
@@ -215,7 +214,7 @@ def material(recordings: Recordings, model: Model) -> set[int]:
 
 def least_material(recording: PreparedRecording) -> float:
     """Return the least force that is worth a name."""
-    return _MATERIAL * recording.observed.force_range
+    return WORTH_A_NAME * recording.observed.force_range
 
 
 def force_of_motion(recording: PreparedRecording, model: Model) -> float:
@@ -246,7 +245,7 @@ def std_beyond_noise(left: Array, channel: Channel) -> float:
     noise = channel.noise_of_means[there] ** 2
     squares = left[there] ** 2 * noise
     unknown = max(float(np.mean(squares - noise)), 0.0)
-    squares = np.minimum(squares, _OUTLIER**2 * (noise + unknown))
+    squares = np.minimum(squares, ROBUST**2 * (noise + unknown))
     for _ in range(_REWEIGHTED):
         weights = (noise + unknown) ** -2.0
         unknown = max(float(weights @ (squares - noise) / weights.sum()), 0.0)

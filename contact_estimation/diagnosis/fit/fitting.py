@@ -134,7 +134,7 @@ def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -
         model.coordinates, model.steps, function, here, shares, model.ranges[1])
 
 
-_MOST_SEARCHES, _SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
+_MOST_SEARCHES, SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
 _BRIEFLY, _TO_END = 1e-3, 1e-6  # relative gain at which a search ends
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
 _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
@@ -216,7 +216,7 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
         if found.ended:
             break
         before, found = found.cost, fit(recordings, found.model, known=found.residuals)
-        if found.cost > _SLOWLY * before:
+        if found.cost > SLOWLY * before:
             break
     return found
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, sum_of_squares
+from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, SLOWLY, sum_of_squares
 from ..observe.driven_wall import DrivenWall
 from ..observe.model import Model
 from ..observe.observed import Observed
@@ -120,7 +120,7 @@ _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
 _ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
 _ROUNDS = 8  # rounds in which the free run of a wall converges
-_MOST_TRIES, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_MOST_TRIES = 5  # of Gauss and Newton
 _AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
 _WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
@@ -166,8 +166,8 @@ def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run
         before, after = sum_of_squares(here), sum_of_squares(there)
         if after < before:
             values, here = tried, there
-        if after > _SLOWLY * before:
-            little = foretold > _SLOWLY * before and after < _AS_FORETOLD * before
+        if after > SLOWLY * before:
+            little = foretold > SLOWLY * before and after < _AS_FORETOLD * before
             if little or not search.updated:
                 break
             search.renew()  # the updated Jacobian points astray

@@ -130,7 +130,6 @@ def _between(
 Array = NDArray[np.float64]
 
 _LOOSE = 3.0  # typical sizes of a value: standard deviation of its prior
-_OUTLIER = 5.0  # standard deviations beyond which an error counts as one at that distance
 _SUSPICIOUS = 3.0  # times the error as fitted: a prediction that may be no longer linear
 _DAMPING = (0.0, 0.01, 0.1, 1.0, 10.0)  # of a step, of the normal matrix (Marquardt 1963)
 _USUAL = 0.455  # median of a squared normal error, in its mean
@@ -239,7 +238,7 @@ class Linearised:
             of_channel = squares[channel == k]
             if len(of_channel):
                 usual = max(1.0, float(np.median(of_channel)) / _USUAL)
-                found[k] = float(np.mean(np.minimum(of_channel, _OUTLIER**2 * usual)))
+                found[k] = float(np.mean(np.minimum(of_channel, ROBUST**2 * usual)))
         return found
 
     def values_on(self, part: Part) -> Model:
