@@ -15,9 +15,7 @@ from ..parameters.specification import group, ParameterGroup
 
 def _class_of(name: str) -> type[Effect]:
     """Import the class of an effect from the file of its name."""
-    found: type[Effect] = getattr(
-        import_module(f'.{name}', __package__), name.title().replace('_', ''))
-    return found
+    return vars(import_module(f'.{name}', __package__))[name.title().replace('_', '')]
 
 
 EFFECTS: dict[str, type[Effect]] = {name: _class_of(name) for name in (

@@ -6,10 +6,11 @@ from math import pi
 from typing import Any
 
 import numpy as np
+from numpy.random import Generator
 
 from .law import (
-    Array, ContactEffect, discretise, Flags, Number, optional_parameter, Prior, Scales, Seen,
-    State)
+    Array, ContactEffect, discretise, Flags, log_uniform, Number, optional_parameter, Prior,
+    Scales, Seen, State, Strength)
 from .moving_environment import MANY_PERIODS
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
@@ -82,4 +83,10 @@ class EnvironmentResonance(ContactEffect):
         frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
         shares = (0.01, 0.5) if scales.driven else (0.01,)  # the force is linear in the mass
         return Prior([(share * scales.moved_mass, float(f), _DAMPED)
-                      for share in shares for f in frequencies], largest=0.5 * scales.mass)
+                      for share in shares for f in frequencies])
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        frequency, ratio = log_uniform(rng, 5.0, 25.0), log_uniform(rng, 0.03, 0.2)
+        return lambda s: {'mass': 0.5 * s * scales.mass, 'frequency': frequency,
+                          'damping_ratio': ratio}

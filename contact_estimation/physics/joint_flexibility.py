@@ -3,7 +3,9 @@
 
 from dataclasses import dataclass
 
-from .law import Joint, optional_parameter, Prior, RobotEffect, Scales
+from numpy.random import Generator
+
+from .law import Joint, log_uniform, optional_parameter, Prior, RobotEffect, Scales, Strength
 
 _DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes
 _MOST_LINK = 0.9  # of M_t: a motor has some mass
@@ -41,5 +43,10 @@ class JointFlexibility(RobotEffect):
     @classmethod
     def prior(cls, scales: Scales) -> Prior:
         return Prior([(share / scales.spring, link, _DAMPED)
-                      for share in (0.01, 0.05, 0.25) for link in (0.1, 0.4)],
-                     largest=0.5 / scales.spring)
+                      for share in (0.01, 0.05, 0.25) for link in (0.1, 0.4)])
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        share, ratio = log_uniform(rng, 0.1, 0.5), log_uniform(rng, 0.05, 0.3)
+        return lambda s: {'compliance': 0.5 * s / scales.spring, 'link_share': share,
+                          'damping_ratio': ratio}

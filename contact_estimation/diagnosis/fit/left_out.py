@@ -137,9 +137,7 @@ _USUAL = 0.455  # median of a squared normal error, in its mean
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """
-    A fit and its derivatives, from which the fits on some of the parts follow by linear algebra.
-    """
+    """A fit and its derivatives: fits on some of the parts follow by linear algebra."""
 
     recordings: Recordings  # with the discrepancy of the model
     found: Fit  # on all parts
