@@ -36,11 +36,6 @@ class ForceGain(ForceSensorEffect):
     def undo(self, t: Number, measured: Number) -> Number:
         return measured / self.gain
 
-    @property
-    def wall_scale(self) -> float:
-        """Return 1 / gain: the product of it and K_e is known far better than either."""
-        return 1.0 / self.gain
-
     def may_show(self, seen: Seen) -> bool:
         return abs(self.gain - 1.0) >= CALIBRATED
 

@@ -41,11 +41,6 @@ class ForceSensorEffect(Effect):
         """Mass between sensor and contact [kg], whose inertia the sensor measures."""
         return 0.0
 
-    @property
-    def wall_scale(self) -> float:
-        """Factor on K_e and B_e that leaves the measured force as it is without the effect."""
-        return 1.0
-
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
         """Return the measured force [N]; force as measured by the preceding effects."""
         return force

@@ -16,7 +16,7 @@ from scipy.fft import next_fast_len
 
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
 from ..compare.evidence import prior, ranked_by
-from ..observe.model import Model, names_of, rescales_wall
+from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber
 from ...physics import EFFECTS
@@ -124,7 +124,6 @@ class _Start(NamedTuple):
     change: Array  # (R,) of the residuals
     # (R, p) their derivatives by its free values, for changes by their typical sizes
     columns: Array
-    rescaled: bool  # whether the wall is that beside which the effect leaves the measured force
 
     @property
     def name(self) -> str:
@@ -164,13 +163,10 @@ class Screening:
         for name in self.names:
             models = [self.base.model.with_effect(name, values)
                       for values in EFFECTS[name].prior(self.scales).starts]
-            starts += [self._start(model, here, False) for model in models]
-            if rescales_wall(name):
-                starts += [self._start(model.with_rescaled_wall(), here, True)
-                           for model in models]
+            starts += [self._start(model, here) for model in models]
         return starts
 
-    def _start(self, model: Model, here: Array, rescaled: bool) -> _Start:
+    def _start(self, model: Model, here: Array) -> _Start:
         own = _of_newest(model)
         first = model.coordinates
         there = self._straight(model, first)
@@ -182,7 +178,7 @@ class Screening:
 
         columns = differentiate_by(
             first[own], model.steps[own], by_own, there, most=model.ranges[1][own])
-        return _Start(model, there - here, columns, rescaled)
+        return _Start(model, there - here, columns)
 
     def steps(self, present: Model, names: Sequence[str]) -> dict[str, list[Step]]:
         """Take one Gauss-Newton step from each start, beside a model."""
@@ -206,7 +202,6 @@ class Screening:
         """Take the best of the steps of all its values, and of those it is linear in."""
         name, values = start.name, start.model.values[start.model.place(start.name)]
         made = present.with_effect(name, values)
-        made = made.with_rescaled_wall() if start.rescaled else made
         shapes = _shapes(made)
         left = here + start.change
         left_over = left - basis @ (basis.T @ left)

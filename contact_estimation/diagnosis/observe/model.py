@@ -96,12 +96,6 @@ class Model:
                   for value, (least, most) in zip(values, _ranges(name)))
         return replace(self, effects=(*self.effects, name), values=(*self.values, *within))
 
-    def with_rescaled_wall(self) -> 'Model':
-        """Return the model with a wall beside which its effects leave the measured force."""
-        scale = self._wall_scale(np.array(self.values))
-        wall = [scale * value for value in self.base_values]
-        return self.at([*wall, *self.values[self.base_count:]])
-
     def without(self, *names: str) -> 'Model':
         """Return the model without some of its effects."""
         dropped = {k for name in names for k in range(*self.place(name).indices(len(self.values)))}
@@ -129,38 +123,18 @@ class Model:
         every[self.free] = coordinates
         logarithms = np.minimum(every[self.logarithmic], _LARGEST_LOGARITHM)
         every[self.logarithmic] = np.exp(logarithms)
-        every[self._rescaled] *= self._wall_scale(every)
         return self.at(every)
 
     def _of_free(self, values: Array) -> Array:
         """Convert values to coordinates of the free ones."""
         logarithms = np.log(np.maximum(np.abs(values), _LEAST_MAGNITUDE))
         every = np.where(self.logarithmic, logarithms, values)
-        every[self._rescaled] /= self._wall_scale(np.array(self.values))
         return np.asarray(every[self.free])
 
     @property
     def coordinates(self) -> Array:
-        """
-        Return the unknowns of a search: the free values, some as logarithms.
-
-        Those of the wall are what the measured force tells, see `ForceSensorEffect.wall_scale`: a
-        valley of equal forces is straight then, and the motion alone decides where in it the
-        optimum is.
-        """
+        """Return the unknowns of a search: the free values, some as logarithms."""
         return self._of_free(np.array(self.values))
-
-    @cached_property
-    def _rescaled(self) -> NDArray[np.bool_]:
-        """Which of all values an effect of the sensor scales: those of the wall, or none."""
-        wall = np.arange(len(self.values)) < self.base_count
-        return np.asarray(wall & self.free & any(map(rescales_wall, self.effects)))
-
-    def _wall_scale(self, values: Array) -> float:
-        """Return the product of the effects' `wall_scale`."""
-        made: list[Any] = [of_valid(EFFECTS[name], values[self.place(name)].tolist())
-                           for name in self.effects if rescales_wall(name)]
-        return float(np.prod([effect.wall_scale for effect in made]))
 
     @property
     def ranges(self) -> tuple[Array, Array]:
@@ -290,8 +264,3 @@ def _ranges(effect: str) -> tuple[tuple[float, float], ...]:
 def names_of(effect: str) -> list[str]:
     """List an effect's parameters."""
     return [spec.name for spec in own_specifications(EFFECTS[effect])]
-
-
-def rescales_wall(effect: str) -> bool:
-    """Return whether the measured force gives K_e and B_e times a value of an effect alone."""
-    return 'wall_scale' in EFFECTS[effect].changes
