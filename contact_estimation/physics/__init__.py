@@ -10,12 +10,16 @@ from importlib import import_module
 
 from .effect import Effect
 from .numeric import SIGN_VELOCITY
-from ..parameters.specification import group, ParameterGroup
+from ..parameters.specification import group, own_specifications, ParameterGroup
 
 
 def _class_of(name: str) -> type[Effect]:
     """Import the class of an effect from the file of its name."""
-    return vars(import_module(f'.{name}', __package__))[name.title().replace('_', '')]
+    found = vars(import_module(f'.{name}', __package__))[name.title().replace('_', '')]
+    if not own_specifications(found):
+        raise TypeError(f'{name} has no parameters; declare them by optional_parameter, and '
+                        'decorate the class with @dataclass(frozen=True)')
+    return found
 
 
 EFFECTS: dict[str, type[Effect]] = {name: _class_of(name) for name in (
