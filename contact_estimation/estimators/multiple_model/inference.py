@@ -139,8 +139,9 @@ class WallInference:
         self.rhythm.touch()
         known = self.known
         self._touched = 0.5 * (x + onset), 0.5 * abs(x - onset) + self._touch_error
+        if not self.rhythm.blocks:
+            self._x0 = onset  # powers of the depth are right near their reference only
         if known.surface != known.surface:
-            self._x0 = onset
             self._surfaces = [(*self._touched, NEAR), (onset, ANYWHERE_M, ELSEWHERE)]
         elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
