@@ -35,6 +35,12 @@ class ZeroTracker:
         """Return the standard deviation of the zero in those of the noise."""
         return sqrt(self._P[0])
 
+    def step(self, size: float, variance: float) -> None:
+        """Move the zero by what is known to have changed [N], with a variance [noise^2]."""
+        zz, zd, dd = self._P
+        self.zero += size
+        self._P = zz + variance, zd, dd
+
     def predict(self, dt: float) -> None:
         """Extrapolate by a time step [s]."""
         zz, zd, dd = self._P

@@ -69,10 +69,12 @@ class ContactFilter:
     minimum_force: contact begins above this force [N]
     least_noise: least standard deviation of the force [N]: simulated sensors have none
     level, level_variance: force in free flight [N] and its variance
+    follows_level: whether the level is learned here, sample by sample
     """
 
     def __init__(self, minimum_force: float = 0.0, least_noise: float = 1e-3) -> None:
         self.minimum_force, self._least = minimum_force, least_noise * least_noise
+        self.follows_level = True
         self.state = FREE
         self.level = self.level_variance = self._up = self._down = 0.0
         self.onset = nan  # where a force above the level was first seen of late [m]
@@ -178,7 +180,8 @@ class ContactFilter:
             if down > TOUCH + (place if place > 0.0 else 0.0):
                 self.state = NEITHER
                 break
-            if up < 0.25 * TOUCH and down < 0.5 * TOUCH and place < 0.5:
+            if (self.follows_level and up < 0.25 * TOUCH and down < 0.5 * TOUCH
+                    and place < 0.5):
                 level_variance += walk * variance * dt
                 gain = level_variance / (level_variance + variance)
                 most = 3.0 * deviation
