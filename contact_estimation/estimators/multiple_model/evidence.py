@@ -5,14 +5,14 @@
 
 from __future__ import annotations
 
-from typing import Generator, NamedTuple
+from typing import Generator, NamedTuple, Sequence
 
 import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT
 from .laws import (
-    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, Ints, NOISE, OF_DEPTH, ONE, prior,
-    scales, UNKNOWNS)
+    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
+    ONE, prior, scales, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
@@ -46,6 +46,14 @@ class Hypotheses(NamedTuple):
         """Return one of them."""
         one = slice(index, index + 1)
         return Hypotheses(self.law[one], self.stiffness[one], self.centre[one], self.std[one])
+
+
+def hypotheses(
+    laws: Ints, surfaces: Sequence[tuple[float, float, float]], scale: float
+) -> Hypotheses:
+    """Return each law with each surface (centre, std, weight), the scale of the priors as told."""
+    centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
+    return Hypotheses(np.repeat(laws, len(surfaces)), np.full(len(centre), scale), centre, std)
 
 
 class Judged(NamedTuple):
@@ -210,3 +218,22 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
         K, theta[:, 1] + linear * tau * K, np.clip(delta, -reach, reach),
         np.stack([np.maximum(P[:, 0, 0], 0.0), np.maximum(B_variance, 0.0),
                   np.minimum(variance, reach * reach)]))
+
+
+def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
+    """Return means and variances of K_e, B_e and x_e - x0 of weighted hypotheses."""
+    values = np.stack(found[:3])
+    means = values @ weights
+    spreads = (found.variances + np.square(values - means[:, None])) @ weights
+    return means.tolist(), spreads.tolist()
+
+
+def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:
+    """Return what it costs that stiffness, damping, friction and mass are not negative."""
+    theta, P = judged.theta, judged.P
+    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
+    values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
+                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
+    variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
+    below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
+    return np.minimum(0.5 * below.sum(0), 15.0)
