@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 Values = Mapping[str, float]
 """Parameters of a law by name."""
 
+Reply = tuple[float, Any]
+"""A force [N] and the state of the law after this step."""
+
 Strength = Callable[[float], Values]
 """From a magnitude, 0 (absent) to 1 (largest plausible), to the parameters of a law."""
 
@@ -110,23 +113,8 @@ class ForeignLaw(ABC):
 
     @classmethod
     @abstractmethod
-    def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
-        """
-        Draw everything but the magnitude at random.
-
-        Parameters
-        ----------
-        magnitudes : Magnitudes
-            Orders of magnitude in the world.
-        rng : numpy.random.Generator
-            Random generator.
-
-        Returns
-        -------
-        strength : callable
-            From a magnitude, 0 to 1, to the parameters.
-
-        """
+    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
+        """Draw everything but the magnitude at random, in a world of given magnitudes."""
 
     def compliance(self) -> Compliance | None:
         """Return the compliance between measured position and contact, None without."""
@@ -137,12 +125,16 @@ class ContactLaw(ForeignLaw):
     """
     A law of the contact: F_e = -(K_e d + B_e v + R) with R a function of t, d, v and own state.
 
+    A law without memory overrides `force`, one with memory `respond`.
+
     Attributes
     ----------
     keeps_spring, keeps_damper : bool
         Whether K_e d and B_e v remain beside R.
     pulls : bool
         Whether a unilateral contact may pull.
+    rest : object
+        State at the beginning and, unless `release` says otherwise, out of contact.
 
     """
 
@@ -150,70 +142,27 @@ class ContactLaw(ForeignLaw):
     keeps_spring: ClassVar[bool] = True
     keeps_damper: ClassVar[bool] = True
     pulls: ClassVar[bool] = False
+    rest: ClassVar[Any] = None
 
     def start(self, dt: float, count: int) -> Any:
-        """
-        Return the state at the beginning.
-
-        Parameters
-        ----------
-        dt : float
-            Step [s].
-        count : int
-            Number of steps to come.
-
-        Returns
-        -------
-        state : object
-            None for a law without memory.
-
-        """
-        return None
+        """Return the state at the beginning, `count` steps of `dt` [s] to come."""
+        return self.rest
 
     def surface(self, t: float) -> tuple[float, float]:
         """Return displacement [m] and velocity [m/s] of the surface at time t [s]."""
         return 0.0, 0.0
 
-    def respond(
-        self, t: float, d: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
-        """
-        Return the force in contact.
+    def force(self, t: float, d: float, v: float) -> float:
+        """Return R [N] at time t [s], penetration d [m] and its rate v [m/s]."""
+        return 0.0
 
-        Parameters
-        ----------
-        t, d, v : float
-            Time [s], penetration [m] and its rate [m/s].
-        dt : float
-            Time since the last call [s].
-        state : object
-            State after the last call.
+    def respond(self, t: float, d: float, v: float, dt: float, state: Any) -> Reply:
+        """Return R [N] and the state after a step dt [s] in contact; R resists penetration."""
+        return self.force(t, d, v), state
 
-        Returns
-        -------
-        R : float
-            Force [N], positive where it resists penetration.
-        state : object
-            State after this step.
-
-        """
-        return 0.0, state
-
-    def release(
-        self, t: float, d: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
-        """
-        Return the force out of contact, d <= 0; parameters as `respond`.
-
-        Returns
-        -------
-        pull : float
-            F_e [N].
-        state : object
-            State after this step.
-
-        """
-        return 0.0, state
+    def release(self, t: float, d: float, v: float, dt: float, state: Any) -> Reply:
+        """Return F_e [N] and the state after a step out of contact, d <= 0."""
+        return 0.0, self.rest
 
 
 class SensorLaw(ForeignLaw):
@@ -223,20 +172,7 @@ class SensorLaw(ForeignLaw):
 
     @abstractmethod
     def sense(self, signals: Signals) -> Array:
-        """
-        Return the measured force.
-
-        Parameters
-        ----------
-        signals : Signals
-            True signals.
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Measured F_e [N].
-
-        """
+        """Return the measured force [N], shape (N,), of true signals."""
 
 
 class RobotLaw(ForeignLaw):
@@ -246,48 +182,15 @@ class RobotLaw(ForeignLaw):
     stages = ('press',)
 
     def follow(self, t: Array, reference: Array) -> Array:
-        """
-        Return the reference that reaches the controller.
-
-        Parameters
-        ----------
-        t : ndarray, shape (N,)
-            Time [s].
-        reference : ndarray, shape (N, 3)
-            x_r, its rate and acceleration as sent.
-
-        Returns
-        -------
-        reference : ndarray, shape (N, 3)
-            As received.
-
-        """
+        """Return x_r, its rate and acceleration, shape (N, 3), as the controller receives them."""
         return reference
 
-    def drive(
-        self, u: float, x: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
+    def drive(self, u: float, x: float, v: float, dt: float, state: Any) -> Reply:
         """
-        Return the force that drives the robot's mass.
+        Return the force that drives the robot's mass [N], less friction, and the state.
 
-        Parameters
-        ----------
-        u : float
-            Force commanded by the impedance law [N].
-        x, v : float
-            Position [m] and velocity [m/s].
-        dt : float
-            Time since the last call [s].
-        state : object
-            State after the last call, 0.0 at first.
-
-        Returns
-        -------
-        force : float
-            Delivered force less friction [N].
-        state : object
-            State after this step.
-
+        u: force commanded by the impedance law [N]; x, v: position [m] and velocity [m/s]; dt:
+        time since the last call [s]; state: after the last call, 0.0 at first
         """
         return u, state
 
