@@ -23,9 +23,8 @@ from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, skipped_files
 from ..fleet.fingerprint import Settings
-from ..fleet.finished import write_whole
-from ..fleet.page.builder import as_html
-from ..fleet.run import Fleet, run_fleet
+from ..fleet.page import as_html
+from ..fleet.run import Fleet, run_fleet, write_whole
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters.values import without
 from ..physics import effects_that_are_on

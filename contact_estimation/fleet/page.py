@@ -1,22 +1,22 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The sections of the fleet's page: `prepare_NAME` makes the data of NAME.html."""
+"""The fleet as one self-contained HTML page: `prepare_NAME` makes the data of NAME.html."""
 
 from __future__ import annotations
 
 from collections import Counter
 from datetime import datetime, timezone
 from math import floor, isfinite, log10
-from typing import Any, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
-from ..findings import by_group, differences, QUANTITIES, Trend, trends
-from ..pooling import PooledResult
-from ..run import Fleet
-from ..table import Entry
-from ...figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
+from .findings import by_group, differences, QUANTITIES, Trend, trends
+from .run import Fleet, PooledResult
+from .table import Entry
+from ..diagnosis.report import page as diagnosis_page
+from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 
 
 _OUTSIDE = 6.0  # interquartile ranges around the quartiles: values beyond are not shown
@@ -299,3 +299,26 @@ def _trend_row(trend: Trend) -> dict[str, Any]:
         'slope': slope, 'interval': f'{low} to {high}' if slope else '', 'per_day': per_day,
         'significant': trend.significant,
     }
+
+
+SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
+    'summary': prepare_summary,
+    'changes': prepare_changes,
+    'trends': prepare_trends,
+    'differences': prepare_differences,
+    'names': prepare_names,
+    'pooled': prepare_pooled,
+    'errors': prepare_errors,
+    'recordings': prepare_recordings,
+}
+"""In the order of the page. A section whose data are None is left out."""
+
+
+def as_html(fleet: Fleet) -> str:
+    """Build the page."""
+    prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
+    environment = diagnosis_page.environment(__package__, diagnosis_page.__name__)
+    return environment.get_template('page.html').render(
+        verdict='fleet', title=f'{len(fleet.entries)} recordings',
+        sections={name: data for name, data in prepared.items() if data is not None},
+    )
