@@ -80,20 +80,20 @@ def _check(options: Any) -> None:
 def _run_one(name: str, options: Any) -> dict[str, Any]:
     """Import only the requested one: node needs ROS, estimators filterpy, replay rosbags."""
     if name == 'node':
-        from .node_benchmark import run_node_benchmark
+        from .speed_nodes import run_node_benchmark
 
         return run_node_benchmark(options.seconds, options.rounds or 2, options.estimator)
     if name == 'watch':
-        from .watch_benchmark import run_watch_benchmark
+        from .speed_nodes import run_watch_benchmark
 
         return run_watch_benchmark(options.seconds, options.rounds or 2)
     if name == 'replay':
-        from .replay_benchmark import run_replay_benchmark
+        from .speed_replay import run_replay_benchmark
 
         return run_replay_benchmark(
             options.recording, options.hours, options.contact, options.rounds or 3
         )
-    from .estimator_benchmark import run_estimator_benchmark
+    from .speed_estimators import run_estimator_benchmark
 
     return run_estimator_benchmark(12.0)
 

@@ -1,11 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Time of one update: session, pipeline and bare estimator, against filterpy's Kalman filter."""
+"""Time of one update: session and bare estimator, against filterpy's Kalman filter."""
 
 from __future__ import annotations
 
 import gc
+from math import pi
 from statistics import mean, median
 import time
 from typing import Any, Callable, NamedTuple, Sequence
@@ -14,17 +15,45 @@ from filterpy.kalman import KalmanFilter
 import numpy as np
 
 from .measuring import print_table
-from .simulated_samples import pressing, RATE
 from ...estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
-from ...estimators.estimate import EstimateStatus, Frozen
-from ...estimators.estimator import OnlineEstimator, TimedRow
+from ...estimators.estimate import Frozen
+from ...estimators.estimator import TimedRow
 from ...parameters.values import build
 from ...pipeline.axes import Result
 from ...pipeline.axis_pipeline import EstimationPipeline
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.session import ContactSession
+from ...plant.closed_loop import run_closed_loop
+from ...plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ...reference.experiment import Experiment, Sine
+from ...reference.experiments import manoeuvre
 from ...reference.setpoints import Reference
 from ...signals.contact_sample import ContactSample
+
+RATE = 500.0
+_SETTLED_S = 8.6  # two seconds into the hold
+
+Steps = Callable[[int, int], None]
+"""Passes samples from one number to another."""
+
+
+def simulated(experiment: Experiment, duration: float) -> list[Result]:
+    """Simulate an experiment with the paper's noise."""
+    session = ContactSession(build(EstimationParameters, {'sample_rate': RATE}))
+    return run_closed_loop(build(PlantParameters, PAPER_NOISE), session, experiment,
+                           duration).results
+
+
+def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
+    """
+    Simulate an approach and a contact with 3 Hz excitation.
+
+    seconds: duration of the contact; a multiple of 1 s has whole periods [s]
+    """
+    experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)
+    results = simulated(experiment, _SETTLED_S + seconds)
+    begin = round(_SETTLED_S * RATE)
+    return results[:begin], results[begin:]
 
 
 class ContactData(NamedTuple):
@@ -35,34 +64,26 @@ class ContactData(NamedTuple):
 
 
 def contact_data(seconds: float) -> ContactData:
-    """
-    Simulate an approach and a contact at 500 Hz.
-
-    seconds: duration of the contact [s]
-    """
+    """Simulate an approach and a contact of a duration [s] at 500 Hz."""
     approach, pressed = pressing(seconds)
     results = [*approach, *pressed]
-    pairs = [(now.sample, _followed(before)) for before, now in zip(results, results[1:])]
+    pairs = [(now.sample, before.reference) for before, now in zip(results, results[1:])
+             if before.reference is not None]
     return ContactData(pairs[:len(approach)], pairs[len(approach):])
 
 
-def _followed(result: Result) -> Reference:
-    assert result.reference is not None
-    return result.reference
-
-
-def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
+def _settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
     """Build a pipeline that has processed the approach."""
-    parameters = build(EstimationParameters, {'estimator': name, 'sample_rate': RATE})
-    pipeline = EstimationPipeline(parameters)
+    pipeline = EstimationPipeline(
+        build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
     for sample, reference in data.approach:
         pipeline.process((sample,), reference)
     return pipeline
 
 
-def estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
+def _estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
     """Collect the rows that a pipeline passes to an estimator that runs on rows."""
-    pipeline = settled_pipeline(data, name)
+    pipeline = _settled_pipeline(data, name)
     rows: list[TimedRow] = []
     assert pipeline.estimator is not None
     update = pipeline.estimator.update
@@ -77,35 +98,11 @@ def estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
     return rows
 
 
-def learning_share(data: ContactData, name: str) -> float:
-    """Return the fraction of samples that update the estimate."""
-    take = settled_pipeline(data, name).take
-    statuses = [take(sample, reference).status for sample, reference in data.samples]
-    return sum(status is EstimateStatus.ESTIMATING for status in statuses) / len(statuses)
-
-
-Steps = Callable[[int, int], None]
 _VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
 _NOTHING_FROZEN = Frozen(False, False)
 
 
-def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
-    """Prepare a pipeline as used by the node and by replay."""
-    one = settled_pipeline(data, name).process
-    run = settled_pipeline(data, name).process
-    samples = [sample for sample, _ in data.samples]
-
-    def one_by_one(begin: int, end: int) -> None:
-        for sample, reference in data.samples[begin:end]:
-            one((sample,), reference)
-
-    def in_runs(begin: int, end: int) -> None:
-        run(samples[begin:end], data.samples[begin][1])
-
-    return one_by_one, in_runs
-
-
-def session_steps(data: ContactData, name: str) -> Steps:
+def _session_steps(data: ContactData, name: str) -> Steps:
     """Prepare a whole session: synchroniser, pipeline and reference, message by message."""
     session = ContactSession(
         build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
@@ -119,31 +116,28 @@ def session_steps(data: ContactData, name: str) -> Steps:
     return lambda begin, end: add(data.samples[begin:end])
 
 
-def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
-    """Prepare a bare estimator with the rows that its pipeline passes to it, or the samples."""
+def _update_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
+    """Prepare a bare estimator, row by row and many rows a call, as in replay."""
     if name == MULTIPLE_MODEL:
         return _posterior_steps(data), _posterior_steps(data)
-    rows = estimator_rows(data, name)
-    one, run = (_estimator(data, name).update for _ in range(2))
+    rows, updates = _estimator_rows(data, name), []
+    for _ in range(2):
+        estimator = _settled_pipeline(data, name).estimator
+        assert estimator is not None
+        updates.append(estimator.update)
 
     def one_by_one(begin: int, end: int) -> None:
         for row in rows[begin:end]:
-            one((row,), _VARIANCE, _NOTHING_FROZEN)
+            updates[0]((row,), _VARIANCE, _NOTHING_FROZEN)
 
     def in_runs(begin: int, end: int) -> None:
-        run(rows[begin:end], _VARIANCE, _NOTHING_FROZEN)
+        updates[1](rows[begin:end], _VARIANCE, _NOTHING_FROZEN)
 
     return one_by_one, in_runs
 
 
-def _estimator(data: ContactData, name: str) -> OnlineEstimator:
-    estimator = settled_pipeline(data, name).estimator
-    assert estimator is not None
-    return estimator
-
-
 def _posterior_steps(data: ContactData) -> Steps:
-    posterior = settled_pipeline(data, MULTIPLE_MODEL).posterior
+    posterior = _settled_pipeline(data, MULTIPLE_MODEL).posterior
     posterior.restart()  # its time began with the approach
     samples = [(1e-9 * stamp_ns, -force, x, v) for (stamp_ns, x, v, force), _ in data.samples]
 
@@ -160,8 +154,8 @@ def filterpy_step(data: ContactData) -> Steps:
     kalman.x = np.array([[3000.0], [50.0], [0.0]])
     kalman.P = np.diag([1e6, 1e4, 1.0])
     kalman.Q = np.diag([1.0, 0.1, 1e-6])
-    given = estimator_rows(data, 'indirect_adaptive')
-    rows = [(row[0], np.array([row[1:4]])) for _, row in given]
+    rows = [(row[0], np.array([row[1:4]])) for _, row in _estimator_rows(
+        data, 'indirect_adaptive')]
 
     def steps(begin: int, end: int) -> None:
         for y, phi in rows[begin:end]:
@@ -173,9 +167,8 @@ def filterpy_step(data: ContactData) -> Steps:
 
 _BLOCK = 250  # samples; short, so that all candidates see the same load of the machine
 _SESSION = 'session_us'
-FILTERPY = 'filterpy KalmanFilter'
-_FIGURES = ('session_us', 'session_p999_us', 'pipeline_us', 'pipeline_run_us', 'update_us',
-            'update_run_us')
+_FILTERPY = 'filterpy KalmanFilter'
+_FIGURES = ('session_us', 'session_p999_us', 'update_us', 'update_run_us')
 
 
 def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
@@ -188,16 +181,14 @@ def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
     to filterpy's predict and update. `run`: many samples per call, as in replay.
     """
     data = contact_data(seconds)
-    candidates: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
+    candidates: dict[str, Steps] = {_FILTERPY: filterpy_step(data)}
     for name in ONLINE_ESTIMATORS:
-        candidates[f'{name} {_SESSION}'] = session_steps(data, name)
-        for part, prepare in (('pipeline', pipeline_steps), ('update', learning_steps)):
-            one_by_one, in_runs = prepare(data, name)
-            candidates[f'{name} {part}_us'] = one_by_one
-            candidates[f'{name} {part}_run_us'] = in_runs
+        candidates[f'{name} {_SESSION}'] = _session_steps(data, name)
+        candidates[f'{name} update_us'], candidates[f'{name} update_run_us'] = _update_steps(
+            data, name)
     spent = _alternate(candidates, len(data.samples))
-    rows = [_row(name, spent, learning_share(data, name)) for name in ONLINE_ESTIMATORS]
-    rows.append({**dict.fromkeys(rows[0]), 'estimator': FILTERPY, 'update_us': spent[FILTERPY],
+    rows = [_row(name, spent) for name in ONLINE_ESTIMATORS]
+    rows.append({**dict.fromkeys(rows[0]), 'estimator': _FILTERPY, 'update_us': spent[_FILTERPY],
                  'update/filterpy': 1.0})
     print_table('estimators in contact: us per sample, ratios to filterpy predict + update (3x1)',
                 rows)
@@ -231,7 +222,8 @@ def _timed(steps: Steps, begin: int, end: int) -> float:
     return (time.thread_time_ns() - start) * 1e-3 / (end - begin)
 
 
-def _row(name: str, spent: dict[str, float], share: float) -> dict[str, Any]:
+def _row(name: str, spent: dict[str, float]) -> dict[str, Any]:
     times = {figure: spent[f'{name} {figure}'] for figure in _FIGURES}
-    ratios = {f'{figure[:-3]}/filterpy': time / spent[FILTERPY] for figure, time in times.items()}
-    return {'estimator': name, **times, **ratios, 'learning_share': share}
+    ratios = {f'{figure[:-3]}/filterpy': time / spent[_FILTERPY]
+              for figure, time in times.items()}
+    return {'estimator': name, **times, **ratios}

@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The estimator node against an echo node on the same topics, each with the plant in processes."""
+"""The estimator node against an echo node on the same topics, and in the loop with a live view."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 import time
-from typing import Any, Mapping, Sequence
+from typing import Any, Iterator, Mapping, Sequence
 
 from .measuring import CpuMeter, machine_cpu_s, print_table, process_cpu_s
 from ...exceptions import ContactEstimationError
@@ -24,7 +24,7 @@ from ...ros.loop_processes import end_process
 _END_TIMEOUT_S = 5.0
 
 
-def own_domain() -> dict[str, str]:
+def _own_domain() -> dict[str, str]:
     """Return the environment of processes in a ROS domain free of other traffic."""
     return {
         **os.environ,
@@ -36,21 +36,17 @@ def own_domain() -> dict[str, str]:
 def start_node(
     module: str, parameters: list[str], remappings: Sequence[str] = ()
 ) -> subprocess.Popen[bytes]:
-    """Start a node in the benchmark's own ROS domain, free of other traffic."""
+    """Start a node in the benchmark's own ROS domain."""
     options = [word for parameter in parameters for word in ('-p', parameter)]
     options += [word for remapping in remappings for word in ('-r', remapping)]
     return subprocess.Popen(
         [sys.executable, '-m', module, '--ros-args', *options],
-        env=own_domain(), start_new_session=True, stdout=subprocess.DEVNULL,
+        env=_own_domain(), start_new_session=True, stdout=subprocess.DEVNULL,
     )
 
 
 def end_node(process: subprocess.Popen[bytes], timeout_s: float = _END_TIMEOUT_S) -> None:
-    """
-    Interrupt a node, or a loop of nodes, and wait; kill it after a time-out.
-
-    timeout_s: time from the interrupt to the kill [s]
-    """
+    """Interrupt a node, or a loop of nodes, and wait; kill it after a time-out [s]."""
     end_process(process, timeout_s)
 
 
@@ -173,3 +169,84 @@ def _ratios(rate: float, runs: list[dict[str, Any]]) -> dict[str, Any]:
         'lost/sent_echo': dropped(echoes),
         'lost/sent_estimator': dropped(estimators),
     }
+
+
+_NODE = 'estimator_node'
+_LOOP_TIMEOUT_S = 100.0  # an interrupted loop waits for its three nodes and the view in turn
+
+
+def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
+    """
+    Run `loop` and `loop --watch` in pairs, whose order alternates.
+
+    seconds: duration of each run [s]
+    """
+    runs: list[dict[str, Any]] = []
+    for number in range(rounds):
+        for watched in (False, True) if number % 2 == 0 else (True, False):
+            runs.append({'round': number, **_run_loop(watched, seconds)})
+    loads = [[run['cpu_percent'] for run in runs if run['watched'] == watched]
+             for watched in (True, False)]
+    ratio = median(with_view / without for with_view, without in zip(*loads))
+    print_table(f'watch: {_NODE} in the loop; CPU in % of one core', runs)
+    print(f'CPU load of {_NODE} with the view, relative to that without: {ratio:.3f}')
+    return {'runs': runs, 'ratio': ratio}
+
+
+def _run_loop(watched: bool, seconds: float) -> dict[str, Any]:
+    with TemporaryDirectory() as folder:
+        output = Path(folder) / 'out'
+        words = ['--output', str(output), '--duration', f'{seconds:.3f}']
+        if watched:
+            words += ['--watch', str(Path(folder) / 'view.rrd')]
+        meter = _measured_loop(words, Path(folder) / 'errors.txt')
+        summary = json.loads((output / 'plant_summary.json').read_text())
+    begin_ns, latency = summary['begin_stamp_ns'], summary['latency_ms']
+    return {
+        'watched': watched,
+        'cpu_percent': meter.percent(begin_ns, begin_ns + round(seconds * 1e9)),
+        **{f'latency_ms_{name}': latency[name] for name in ('p50', 'p99', 'max')},
+        'sent': summary['samples_sent'],
+        'lost': summary['samples_lost'],
+    }
+
+
+def _measured_loop(words: list[str], errors: Path) -> CpuMeter:
+    """Run `loop` to its end, and return the CPU time of its estimator node; raise if it fails."""
+    with open(errors, 'wb') as stderr:
+        loop = subprocess.Popen(
+            [sys.executable, '-m', 'contact_estimation.commands.loop', *words],
+            stdout=subprocess.DEVNULL, stderr=stderr, env=_own_domain(), start_new_session=True)
+    meter: CpuMeter | None = None
+    try:
+        while loop.poll() is None:
+            if meter is None:
+                meter = next((CpuMeter(partial(process_cpu_s, pid))
+                              for pid in _descendants(loop.pid) if _runs(pid, _NODE)), None)
+            else:
+                meter.sample()
+            time.sleep(_SAMPLING_S)
+    finally:
+        end_node(loop, _LOOP_TIMEOUT_S)
+    if loop.returncode or meter is None:
+        raise ContactEstimationError(
+            f'loop ended with {loop.returncode}: {errors.read_text().strip()}')
+    return meter
+
+
+def _descendants(pid: int) -> Iterator[int]:
+    try:
+        children = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
+    except OSError:  # it has ended
+        return
+    for child in map(int, children):
+        yield child
+        yield from _descendants(child)
+
+
+def _runs(pid: int, word: str) -> bool:
+    """Return whether a word is an argument of a process."""
+    try:
+        return word.encode() in Path(f'/proc/{pid}/cmdline').read_bytes()
+    except OSError:
+        return False
