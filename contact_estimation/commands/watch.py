@@ -12,16 +12,9 @@ from threading import Event
 from typing import Any, Sequence
 
 from .command_line import (
-    add_params_option,
-    add_source_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
+    add_params_option, add_source_options, command, different_files, new_file, Parser,
+    replayed_parameters, source_of)
 from .progress import Progress
-from .replayed_parameters import replayed_parameters
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.replay import RecordingReplay

@@ -18,8 +18,8 @@ import sys
 import time
 from typing import Any, Callable, Iterator, Sequence
 
-from ...commands.command_line import command, new_folder, Parser
-from ...exceptions import FleetError, ParameterRangeError
+from ...commands.command_line import command, new_folder, Parser, require_at_least
+from ...exceptions import FleetError
 from ...parameters.values import build
 from ...physics import PhysicsParameters
 from ...plant.plant_parameters import PlantParameters, SensorParameters, WallParameters
@@ -154,9 +154,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run the demonstration and print its figures."""
-    for name, least in (('recordings', _LEAST_RECORDINGS), ('seconds', LEAST_S)):
-        if getattr(options, name) < least:
-            raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
+    require_at_least(options, recordings=_LEAST_RECORDINGS, seconds=LEAST_S)
     folder = new_folder(options.output)
     write_archive(folder / 'archive', options.recordings, options.seconds)
     if options.only_write:

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from itertools import cycle, islice, product
-import json
 from math import inf, nan
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .measuring import print_table
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import as_json, command, Parser, write_results
 from ...commands.progress import Progress
 from ...estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ...parameters.values import build
@@ -221,11 +220,9 @@ def run(options: Any) -> int:
     print_table('seconds from contact to warning', [
         {'mistake': text, 'check': check, **dict(zip(columns, map(_seconds, times)))}
         for text, check, times in rows])
-    if options.json:
-        new_file(options.json).write_text(json.dumps({
-            'healthy_loops': len(worlds), 'false_warnings': false, 'advice': advice,
-            'seconds': {text: [t if t < inf else None for t in times] for text, _, times in rows},
-        }, indent=1) + '\n')
+    write_results(options, {'json': lambda: as_json({
+        'healthy_loops': len(worlds), 'false_warnings': false, 'advice': advice,
+        'seconds': {text: [t if t < inf else None for t in times] for text, _, times in rows}})})
     late = sum(t > _IN_TIME_S for *_, times in rows for t in times)
     lags = [
         {'mistake': mistake.text, 'loop': column, **_evidence(samples, mistake.lag_s)}

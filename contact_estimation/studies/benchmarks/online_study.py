@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from importlib.util import find_spec
-import json
 from math import isfinite, nan
 from pathlib import Path
 from typing import Any, Iterable, Mapping, NamedTuple, Sequence
@@ -24,7 +23,8 @@ import numpy as np
 from . import online_contacts, online_inputs, online_walls
 from .online_peers import CANDIDATES
 from .online_row import follow, Row, Score
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import (
+    as_json, check_outputs, command, new_file, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError
 from ...figures import as_png, figure_style, new_figure, require_matplotlib
@@ -91,14 +91,13 @@ def _with_common_options(parser: Parser) -> Parser:
 def run(options: Any) -> int:
     """Measure the defaults, and print a table with a line for each group of worlds."""
     names = _chosen(options, ROWS)
-    file = new_file(options.json) if options.json else None
+    check_outputs([options.json], {})
     scores = _scores([_DEFAULT], names, options)
     table = {'row': [summary(f'{name}: {group[0].group}' if group[0].group else name, group)
                      for name in names for group in _grouped(scores[_DEFAULT, name])]}
     print(as_markdown(table))
-    if file:
-        worlds = {name: [one._asdict() for one in scores[_DEFAULT, name]] for name in names}
-        file.write_text(json.dumps({'rows': table['row'], 'worlds': worlds}, indent=1) + '\n')
+    worlds = {name: [one._asdict() for one in scores[_DEFAULT, name]] for name in names}
+    write_results(options, {'json': lambda: as_json({'rows': table['row'], 'worlds': worlds})})
     return 0
 
 
@@ -124,10 +123,7 @@ def _chosen(options: Any, known: Iterable[str]) -> list[str]:
     for name in options.only or ():
         if name not in known:
             raise ParameterRangeError(f'--only must be among {", ".join(known)}, got {name!r}')
-    for option, least in (('seed', 0), ('jobs', 1)):
-        if getattr(options, option) < least:
-            raise ParameterRangeError(
-                f'--{option} must be >= {least}, got {getattr(options, option)}')
+    require_at_least(options, seed=0, jobs=1)
     return list(options.only or known)
 
 

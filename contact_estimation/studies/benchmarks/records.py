@@ -18,10 +18,11 @@ import numpy as np
 from ..blind_trials.family_scoring import (
     NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from ..blind_trials.study import diagnose_command
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import (
+    check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
 from ...diagnosis.observe.read_recording import read_recording
-from ...exceptions import ParameterRangeError, RecordingError
+from ...exceptions import RecordingError
 from ...physics import EFFECTS
 
 
@@ -188,13 +189,11 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Diagnose the records and print the table."""
-    if options.jobs < 1:
-        raise ParameterRangeError(f'--jobs must be >= 1, got {options.jobs}')
-    target = new_file(options.output) if options.output else None
+    require_at_least(options, jobs=1)
+    check_outputs([options.output], {})
     text = as_markdown(diagnose_records(find_records(Path(options.folder)), options.jobs))
     print(text)
-    if target is not None:
-        target.write_text(text + '\n')
+    write_results(options, {'output': lambda: text + '\n'})
     return 0
 
 

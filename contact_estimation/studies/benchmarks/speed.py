@@ -5,12 +5,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 from typing import Any
 
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import (
+    as_json, check_outputs, command, Parser, write_results)
 from ...estimators import ONLINE_ESTIMATORS
 from ...exceptions import ParameterRangeError
 from ...pipeline.parameters import EstimationParameters
@@ -55,13 +55,12 @@ def make_parser() -> Parser:
 def run(options: Any) -> int:
     """Run the chosen benchmarks."""
     _check(options)
-    output = new_file(options.json) if options.json else None
+    check_outputs([options.json], {})
     results: dict[str, Any] = {'machine': _machine()}
     for name in BENCHMARKS:
         if name in (options.which or BENCHMARKS):
             results[name] = _run_one(name, options)
-    if output:
-        output.write_text(json.dumps(results, indent=1) + '\n')
+    write_results(options, {'json': lambda: as_json(results)})
     return 0
 
 
