@@ -53,18 +53,9 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
     """
     Extrapolate a reference by its parabola until the next one arrives.
 
-    Parameters
-    ----------
-    since : float
-        Time from which it holds [s].
-    reference : Reference
-        x_r with derivatives and F_r.
-
-    Returns
-    -------
-    reference_at : callable
-        From time [s] to the reference.
-
+    since: time from which it holds [s]
+    reference: x_r with derivatives and F_r
+    Returns reference_at: from time [s] to the reference
     """
     x, v, a, F_r = reference
 
@@ -79,16 +70,8 @@ def push(force: float) -> ReferenceAt:
     """
     Hold the control force of a bare arm until the next one arrives.
 
-    Parameters
-    ----------
-    force : float
-        Control force [N].
-
-    Returns
-    -------
-    reference_at : callable
-        From time [s] to a reference at rest with this force.
-
+    force: control force [N]
+    Returns reference_at: from time [s] to a reference at rest with this force
     """
     reference = Reference(0.0, 0.0, 0.0, force)
     return lambda t: reference
@@ -156,16 +139,7 @@ def require_control(session: ContactSession) -> None:
     """
     Raise if no estimator would control a bare arm.
 
-    Parameters
-    ----------
-    session : ContactSession
-        Session with its estimator.
-
-    Raises
-    ------
-    ParameterRangeError
-        If the estimator computes no control force.
-
+    session: session with its estimator
     """
     if isnan(session.pipeline.control_force):
         raise ParameterRangeError(

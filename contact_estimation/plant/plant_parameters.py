@@ -60,11 +60,8 @@ class RobotParameters(ParameterGroup):
         """
         Return the parameters of eq. (1) that the robot obeys.
 
-        Returns
-        -------
-        robot : RobotParameters
-            For a bare arm without stiffness and driven by F_r; its reference must be at rest.
-
+        Returns robot: for a bare arm without stiffness and driven by F_r; its reference must be at
+        rest
         """
         if self.control == 'impedance':
             return self

@@ -122,18 +122,8 @@ def write_csv(path: Path, signals: Mapping[str, NDArray[Any]]) -> None:
     """
     Write signals as CSV that reads back without loss.
 
-    Parameters
-    ----------
-    path : Path
-        New file.
-    signals : mapping of str to ndarray, shape (N,)
-        As of `signals_of_recording`; NaN becomes an empty cell.
-
-    Raises
-    ------
-    RecordingError
-        If the file exists or cannot be written.
-
+    path: new file
+    signals (N,): as of `signals_of_recording`; NaN becomes an empty cell
     """
     try:
         with open(path, 'x', encoding='utf-8') as stream:
@@ -158,23 +148,10 @@ def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Si
     """
     Read wrench, joints and reference as arrays on common rows.
 
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-
-    Returns
-    -------
-    signals : dict of str to ndarray, shape (N,)
-        As of `read_table`, without 't'. Of equal stamps of a topic, the first counts.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing or has no usable message.
-
+    reader: the recording
+    source: its topics
+    Returns signals (N,): as of `read_table`, without 't'. Of equal stamps of a topic, the first
+    counts
     """
     there = {canonical(topic) for topic in reader.topics()}
     topics = [source.joint_states]

@@ -19,28 +19,16 @@ FILE_NAME = 'metadata.yaml'
 
 @dataclass
 class RecordedTopic:
-    """
-    A topic of a recording.
+    """A topic of a recording."""
 
-    Attributes
-    ----------
-    name, type_name, type_hash : str
-        Name of the topic, type of its messages and RIHS01 hash of the type.
-    qos : OfferedQos
-        Of the publisher.
-    channel : int
-        Channel in the MCAP file.
-    message_count : int
-        Messages so far.
-
-    """
-
+    # name, type_name, type_hash: name of the topic, type of its messages and RIHS01 hash of the
+    # type
     name: str
     type_name: str
     type_hash: str
-    qos: OfferedQos
-    channel: int
-    message_count: int = 0
+    qos: OfferedQos  # of the publisher
+    channel: int  # channel in the MCAP file
+    message_count: int = 0  # messages so far
 
 
 def bag_information(
@@ -49,15 +37,9 @@ def bag_information(
     """
     Describe a bag of one file as rosbag2 does.
 
-    Parameters
-    ----------
-    file_name : str
-        Name of the .mcap file in the folder.
-    topics : collection of RecordedTopic
-        The topics in the order of their first message.
-    start_ns, end_ns : int
-        Log time of the first and the last message [ns].
-
+    file_name: name of the .mcap file in the folder
+    topics: the topics in the order of their first message
+    start_ns, end_ns: log time of the first and the last message [ns]
     """
     count = sum(topic.message_count for topic in topics)
     starting_time = {'nanoseconds_since_epoch': start_ns}

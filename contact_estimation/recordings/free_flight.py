@@ -39,13 +39,8 @@ def tare_of(t: Array, force: Array, tare: str) -> Tare:
     """
     Measure the zero of the force.
 
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time from the first wrench [s] and F_e [N].
-    tare : str
-        'first-free-flight', or the span 'A:B' [s].
-
+    t, force (N,): time from the first wrench [s] and F_e [N]
+    tare: 'first-free-flight', or the span 'A:B' [s]
     """
     if tare == FIRST:
         begin, end = _first_free_flight(t, force)

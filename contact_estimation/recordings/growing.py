@@ -23,11 +23,7 @@ class GrowingRecording:
 
     It needs no subscription, so it does not affect the recorded nodes.
 
-    Attributes
-    ----------
-    finished : bool
-        Whether the recorder has ended the file.
-
+    finished: whether the recorder has ended the file
     """
 
     def __init__(self, path: Path, topics: Iterable[str]) -> None:

@@ -32,19 +32,11 @@ class McapFile:
     """
     Read one file, which is opened anew for each pass.
 
-    Attributes
-    ----------
-    size : int
-        Bytes at the time of opening.
-    position : int
-        End of the bytes read in the current or last pass over the messages.
-    damaged : int
-        Chunks and records skipped in that pass.
-    definitions : dict of str to str
-        Of the types found by the last search for topics.
-    hidden : int
-        Those skipped in the last search for topics, some of which they may describe.
-
+    size: bytes at the time of opening
+    position: end of the bytes read in the current or last pass over the messages
+    damaged: chunks and records skipped in that pass
+    definitions: of the types found by the last search for topics
+    hidden: those skipped in the last search for topics, some of which they may describe
     """
 
     def __init__(self, path: Path) -> None:

@@ -45,32 +45,16 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class Summary:
-    """
-    What is known about a file without reading its messages.
+    """What is known about a file without reading its messages."""
 
-    Attributes
-    ----------
-    whole : bool
-        The file ends as it should; False where its recorder was killed.
-    descriptions : list of Schema or Channel
-        Those listed.
-    complete : bool
-        All channels, chunks and metadata records are listed, and no message is outside chunks.
-    chunks : list of ChunkPlace
-        In file order.
-    metadata : list of Record
-        Metadata records.
-    span_ns : tuple of int or None
-        Log times of the first and the last message [ns]; None if there is no message or the
-        times are not known.
-
-    """
-
-    whole: bool = False
-    descriptions: list[Schema | Channel] = field(default_factory=list)
+    whole: bool = False  # the file ends as it should; False where its recorder was killed
+    descriptions: list[Schema | Channel] = field(default_factory=list)  # those listed
+    # all channels, chunks and metadata records are listed, and no message is outside chunks
     complete: bool = False
-    chunks: list[ChunkPlace] = field(default_factory=list)
-    metadata: list[Record] = field(default_factory=list)
+    chunks: list[ChunkPlace] = field(default_factory=list)  # in file order
+    metadata: list[Record] = field(default_factory=list)  # metadata records
+    # log times of the first and the last message [ns]; None if there is no message or the times
+    # are not known
     span_ns: tuple[int, int] | None = None
 
 

@@ -16,26 +16,12 @@ _INFINITE = {'sec': 9223372036, 'nsec': 854775807}
 
 @dataclasses.dataclass(frozen=True)
 class OfferedQos:
-    """
-    Quality of service of a publisher.
+    """Quality of service of a publisher."""
 
-    Attributes
-    ----------
-    reliability : str
-        'reliable' or 'best_effort'.
-    depth : int
-        Length of the queue.
-    durability : str
-        'volatile' or 'transient_local'.
-    history : str
-        'keep_last' or 'keep_all'.
-
-    """
-
-    reliability: str = 'reliable'
-    depth: int = 10
-    durability: str = 'volatile'
-    history: str = 'keep_last'
+    reliability: str = 'reliable'  # 'reliable' or 'best_effort'
+    depth: int = 10  # length of the queue
+    durability: str = 'volatile'  # 'volatile' or 'transient_local'
+    history: str = 'keep_last'  # 'keep_last' or 'keep_all'
 
     @classmethod
     def of_profile(cls, profile: Any) -> 'OfferedQos':

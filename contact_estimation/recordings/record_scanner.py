@@ -43,13 +43,8 @@ class RecordScanner:
     """
     Walk over the records of a file; where one is not plausible, search for the next plausible one.
 
-    Attributes
-    ----------
-    position : int
-        Where the next record is expected.
-    damaged : int
-        How often something had to be skipped.
-
+    position: where the next record is expected
+    damaged: how often something had to be skipped
     """
 
     def __init__(self, stream: BinaryIO, size: int) -> None:

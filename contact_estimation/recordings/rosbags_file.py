@@ -31,17 +31,10 @@ class RosbagsFile:
 
     Such recordings are read when complete only, and hold no metadata records.
 
-    Attributes
-    ----------
-    size, position : int
-        Number of messages, and of those read in the current pass.
-    definitions : dict of str to str
-        Of each type.
-    damaged, hidden : int
-        Always 0: damage is an error.
-    summary : Summary
-        Says that the recording is complete.
-
+    size, position: number of messages, and of those read in the current pass
+    definitions: of each type
+    damaged, hidden: always 0: damage is an error
+    summary: says that the recording is complete
     """
 
     def __init__(self, path: Path) -> None:

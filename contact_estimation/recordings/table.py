@@ -39,12 +39,8 @@ def read_columns(path: Path) -> Columns:
     """
     Read all columns of numbers.
 
-    Returns
-    -------
-    columns : dict of str to ndarray, shape (N,)
-        By name, in file order; NaN where a cell is empty. Columns without a header are named
-        '1', '2', ...
-
+    Returns columns (N,): by name, in file order; NaN where a cell is empty. Columns without a
+    header are named '1', '2',
     """
     try:
         if not path.is_file():

@@ -33,11 +33,7 @@ class TableFile:
     """
     Read a table with the interface of `McapFile`.
 
-    Attributes
-    ----------
-    columns : dict of str to str
-        Column of each signal.
-
+    columns: column of each signal
     """
 
     hidden = damaged = 0
@@ -87,19 +83,10 @@ def messages_of(
     """
     Arrange signals as the messages of topics.
 
-    Parameters
-    ----------
-    signals : mapping of str to ndarray, shape (N,)
-        By key, as of `signals_of_columns`.
-    count : int
-        N.
-
-    Returns
-    -------
-    messages : dict of str to (callable, ndarray of shape (N, n))
-        By name of the topic: what encodes stamp and row, and the rows; one that begins with NaN
-        is no message.
-
+    signals (N,): by key, as of `signals_of_columns`
+    count: n
+    Returns messages (N, n): by name of the topic: what encodes stamp and row, and the rows; one
+    that begins with NaN is no message
     """
     force = np.array([signals.get(key, np.zeros(count)) for key in FORCES]).T
     present = [key for key in FORCES if key in signals]

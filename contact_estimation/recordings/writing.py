@@ -28,11 +28,7 @@ class RecordingWriter:
 
     Methods may be called from several threads: a timer flushes while another thread writes.
 
-    Attributes
-    ----------
-    path : Path
-        The .mcap file.
-
+    path: the .mcap file
     """
 
     def __init__(self, path: Path, bag_folder: Path | None) -> None:
@@ -78,21 +74,12 @@ class RecordingWriter:
         """
         Write one message; the first of a topic registers the topic.
 
-        Parameters
-        ----------
-        topic : str
-            Name of the topic.
-        type_name : str
-            Such as 'geometry_msgs/msg/WrenchStamped'.
-        data : bytes
-            CDR with its encapsulation header.
-        log_time_ns : int
-            Time of reception [ns].
-        publish_time_ns : int, optional
-            Time of publication [ns]; the log time by default.
-        qos : OfferedQos, optional
-            Quality of service of the publisher; only that of the first message of a topic is used.
-
+        topic: name of the topic
+        type_name: such as 'geometry_msgs/msg/WrenchStamped'
+        data: CDR with its encapsulation header
+        log_time_ns: time of reception [ns]
+        publish_time_ns: time of publication [ns]; the log time by default
+        qos: quality of service of the publisher; only that of the first message of a topic is used
         """
         with self._writing():
             self._require_open()

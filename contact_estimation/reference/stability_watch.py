@@ -38,11 +38,7 @@ class StabilityWatch:
     """
     Judge the gains again where the wall, or what is known of it, has changed.
 
-    Attributes
-    ----------
-    gains : StableGains or None
-        As judged last; None while no wall is known.
-
+    gains: as judged last; None while no wall is known
     """
 
     def __init__(self) -> None:
@@ -55,18 +51,11 @@ class StabilityWatch:
         """
         Return the least phase margin within two standard deviations of the wall [deg].
 
-        Parameters
-        ----------
-        robot : StabilityParameters
-            The present gains.
-        K_e, K_e_std, B_e, B_e_std : float
-            The wall and its standard deviations; not finite where nothing is known.
-
-        Returns
-        -------
-        margin : float
-            Negative where the loop is unstable; NaN where it is off or no wall is known.
-
+        robot: the present gains
+        K_e, K_e_std, B_e, B_e_std: the wall and its standard deviations; not finite where nothing
+        is known
+        Returns margin: negative where the loop is unstable; NaN where it is off or no wall is
+        known
         """
         wall = K_e, K_e_std, B_e, B_e_std
         if robot.kind == OFF or not all(map(isfinite, wall)):

@@ -25,41 +25,26 @@ Strength = Callable[[float], Values]
 
 
 class Magnitudes(NamedTuple):
-    """
-    Orders of magnitude in a world, from which a law is drawn.
+    """Orders of magnitude in a world, from which a law is drawn."""
 
-    Attributes
-    ----------
-    depth, speed, force, control : float
-        Largest penetration [m], its rate [m/s], largest contact force and control force [N].
-    duration : float
-        Length of the experiment [s].
-    stiffness, damping, mass : float
-        K_e [N/m], B_e [N s/m] and moving mass [kg] of the world.
-
-    """
-
+    # depth, speed, force, control: largest penetration [m], its rate [m/s], largest contact force
+    # and control force [N]
     depth: float
     speed: float
     force: float
     control: float
-    duration: float
+    duration: float  # length of the experiment [s]
+    # stiffness, damping, mass: K_e [N/m], B_e [N s/m] and moving mass [kg] of the world
     stiffness: float
     damping: float
     mass: float
 
 
 class Signals(NamedTuple):
-    """
-    True signals along an experiment, of shape (N,) each.
+    """True signals along an experiment, of shape (N,) each."""
 
-    Attributes
-    ----------
-    t, x, v, a, force : ndarray
-        Time, evenly spaced [s], motion of the end-effector [m], [m/s], [m/s^2] and F_e [N].
-
-    """
-
+    # t, x, v, a, force: time, evenly spaced [s], motion of the end-effector [m], [m/s], [m/s^2]
+    # and F_e [N]
     t: Array
     x: Array
     v: Array
@@ -68,16 +53,9 @@ class Signals(NamedTuple):
 
 
 class Compliance(NamedTuple):
-    """
-    A tip on a spring and a damper in front of the body whose position is measured.
+    """A tip on a spring and a damper in front of the body whose position is measured."""
 
-    Attributes
-    ----------
-    mass, stiffness, damping : float
-        Of the tip [kg], of spring [N/m] and damper [N s/m].
-
-    """
-
+    # mass, stiffness, damping: of the tip [kg], of spring [N/m] and damper [N s/m]
     mass: float
     stiffness: float
     damping: float
@@ -87,25 +65,14 @@ class ForeignLaw(ABC):
     """
     A law that is not in the vocabulary of the diagnosis.
 
-    Attributes
-    ----------
-    port : str
-        Where the law acts: 'contact', 'force_sensor' or 'robot'.
-    families : tuple of str
-        Families of effects that describe it acceptably; empty where none does.
-    stages : tuple of str
-        Experiments in which the law shows: 'press' (robot with reference), 'specimen' (attached,
-        seconds), 'slow' (attached, minutes), 'drive' (attached mass).
-
-    Parameters
-    ----------
-    values : mapping
-        Parameters by name.
-
+    values: parameters by name
     """
 
-    port: ClassVar[str]
+    port: ClassVar[str]  # where the law acts: 'contact', 'force_sensor' or 'robot'
+    # families of effects that describe it acceptably; empty where none does
     families: ClassVar[tuple[str, ...]] = ()
+    # experiments in which the law shows: 'press' (robot with reference), 'specimen' (attached,
+    # seconds), 'slow' (attached, minutes), 'drive' (attached mass)
     stages: ClassVar[tuple[str, ...]] = ('press', 'specimen')
 
     def __init__(self, values: Values) -> None:
@@ -126,22 +93,14 @@ class ContactLaw(ForeignLaw):
     A law of the contact: F_e = -(K_e d + B_e v + R) with R a function of t, d, v and own state.
 
     A law without memory overrides `force`, one with memory `respond`.
-
-    Attributes
-    ----------
-    keeps_spring, keeps_damper : bool
-        Whether K_e d and B_e v remain beside R.
-    pulls : bool
-        Whether a unilateral contact may pull.
-    rest : object
-        State at the beginning and, unless `release` says otherwise, out of contact.
-
     """
 
     port = 'contact'
+    # keeps_spring, keeps_damper: whether K_e d and B_e v remain beside R
     keeps_spring: ClassVar[bool] = True
     keeps_damper: ClassVar[bool] = True
-    pulls: ClassVar[bool] = False
+    pulls: ClassVar[bool] = False  # whether a unilateral contact may pull
+    # state at the beginning and, unless `release` says otherwise, out of contact
     rest: ClassVar[Any] = None
 
     def start(self, dt: float, count: int) -> Any:
