@@ -73,22 +73,9 @@ def read_rows(
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
-    # Arrays of plain numbers: hours at 1 kHz are millions of messages.
-    stamps = {name: array('q') for name in decode}
-    rows = {name: array('d') for name in decode}
-    refused: dict[str, str] = {}
-    for topic, _, data in reader.messages(asked):
-        try:
-            found = decode[topic](data)
-        except MessageError as error:
-            refused[topic] = f': {error}'
-            continue
-        for row in found if isinstance(found, list) else [found] if found else ():
-            stamps[topic].append(row[0])
-            rows[topic].extend(row[1])
-        if len(stamps[asked[0]]) == most_samples:
-            break
-    signals = [stacked(stamps[name], rows[name], width) for name, width in zip(decode, widths)]
+    rows, refused = gather(reader, {name: decode[name] for name in asked}, most_samples)
+    signals = [stacked(*rows.get(name, (array('q'), array('d'))), width)
+               for name, width in zip(decode, widths)]
     for name, signal in zip(list(decode)[:-1], signals):
         if not len(signal):
             raise RecordingError(
@@ -96,6 +83,37 @@ def read_rows(
                 f'stamps, got none{refused.get(name, "")}; check topic, axis and joint'
             )
     return signals
+
+
+def gather(
+    reader: RecordingReader,
+    decode: Mapping[str, Callable[[bytes], Row | list[Row] | None]],
+    most_samples: int | None = None,
+) -> tuple[dict[str, tuple[array[int], array[float]]], dict[str, str]]:
+    """
+    Decode topics in one pass.
+
+    most_samples: of the first topic, at which it ends
+    Returns rows: stamps [ns] and values of each topic, sample by sample
+    Returns refused: why the last message that could not be decoded was refused, by topic
+    """
+    # Arrays of plain numbers: hours at 1 kHz are millions of messages.
+    rows = {name: (array('q'), array('d')) for name in decode}
+    refused: dict[str, str] = {}
+    first = rows[next(iter(decode))][0]
+    for topic, _, data in reader.messages(list(decode)):
+        try:
+            found = decode[topic](data)
+        except MessageError as error:
+            refused[topic] = f': {error}'
+            continue
+        stamps, values = rows[topic]
+        for row in found if isinstance(found, list) else [found] if found else ():
+            stamps.append(row[0])
+            values.extend(row[1])
+        if len(first) == most_samples:
+            break
+    return rows, refused
 
 
 def wrench_rate(reader: RecordingReader, topic: str) -> float:

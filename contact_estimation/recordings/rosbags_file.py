@@ -15,7 +15,7 @@ from typing import Any, Collection, Iterator, Mapping
 from mcap import stream_reader
 
 from .chunk_reader import RecordedMessage
-from .mcap_summary import Summary
+from .mcap_records import Summary
 from .topic_names import canonical
 from ..exceptions import MissingPackageError, RecordingError
 

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import isnan, nan
 from pathlib import Path
 from typing import Any, Callable, Collection, Iterator, Mapping, Sequence
@@ -15,11 +16,11 @@ from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
-from .mcap_summary import Summary
+from .mcap_records import Summary
 from .source import RecordingSource
 from .table import read_columns
 from .topic_names import canonical
-from ..messages import ForceTorqueEncoder, JointRowEncoder
+from ..messages import encode_arm, ForceTorqueEncoder
 
 _BATCH = 5000  # rows
 FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')
@@ -103,14 +104,14 @@ def messages_of(
             keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in rates))
                     for name in names]
             rows = np.array([signals.get(key, np.full(count, nan)) for key in keys]).T
-            encoder = JointRowEncoder(names, kind == 'reference', efforts)
-            found[topic] = _joined(encoder, len(names)), rows
+            found[topic] = partial(_encode, names, topic), rows
     return found
 
 
-def _joined(encoder: JointRowEncoder, count: int) -> Callable[[int, Sequence[float]], bytes]:
-    """Return the encoder for a row of positions, followed by their rates."""
-    def encode(stamp_ns: int, row: Sequence[float]) -> bytes:
-        return encoder.encode(stamp_ns, *(row[at:at + count] for at in range(0, len(row), count)))
-
-    return encode
+def _encode(names: Sequence[str], topic: str, stamp_ns: int, row: Sequence[float]) -> bytes:
+    """Encode a row of positions, followed by their rates."""
+    count, is_point = len(names), topic == 'reference_trajectory'
+    rows = [row[at:at + count] for at in range(0, len(row), count)]
+    if not is_point and len(rows) < 3:
+        rows.append(())  # no efforts
+    return encode_arm(stamp_ns, names, *rows, point=is_point)

@@ -18,7 +18,7 @@ from ..estimators.estimate import Estimate
 from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
-from ..recordings.growing import GrowingRecording
+from ..recordings.mcap_file import GrowingRecording
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.source import RecordingSource
 
