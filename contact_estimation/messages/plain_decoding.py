@@ -62,11 +62,7 @@ class Vector3StampedDecoder:
         self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _vector_offsets)
 
     def decode(self, raw: bytes) -> tuple[int, float, float, float]:
-        """
-        Read one message.
-
-        Returns stamp_ns, x, y, z: stamp [ns] and vector
-        """
+        """Read one message; returns stamp_ns, x, y, z: stamp [ns] and vector."""
         sec, nanosec, _, x, y, z = self._reader.read(raw)
         return sec * NS_PER_S + nanosec, x, y, z
 

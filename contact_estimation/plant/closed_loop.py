@@ -136,11 +136,7 @@ def run_closed_loop(
 
 
 def require_control(session: ContactSession) -> None:
-    """
-    Raise if no estimator would control a bare arm.
-
-    session: session with its estimator
-    """
+    """Raise if the estimator of a session would not control a bare arm."""
     if isnan(session.pipeline.control_force):
         raise ParameterRangeError(
             'robot.control force needs an estimator that computes a control force: expected mrac, '

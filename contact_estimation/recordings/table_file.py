@@ -31,11 +31,7 @@ Rows = NDArray[np.float64]
 
 
 class TableFile:
-    """
-    Read a table with the interface of `McapFile`.
-
-    columns: column of each signal
-    """
+    """Read a table with the interface of `McapFile`; columns: column of each signal."""
 
     hidden = damaged = 0
     definitions: Mapping[str, str] = {}

@@ -24,11 +24,7 @@ class Excitation(ABC):
 
     @abstractmethod
     def value(self, t: float) -> float:
-        """
-        Return the value of the signal.
-
-        t: time of the experiment [s]
-        """
+        """Return the value of the signal; t: time of the experiment [s]."""
 
     @abstractmethod
     def rates(self, t: float) -> tuple[float, float]:
@@ -41,11 +37,7 @@ class Excitation(ABC):
 
 
 class Sine(Excitation):
-    """
-    Eqs. (40) and (41): amplitude sin(omega t).
-
-    omega: angular frequency [rad/s]
-    """
+    """Eqs. (40) and (41): amplitude sin(omega t); omega: angular frequency [rad/s]."""
 
     def __init__(self, amplitude: float, omega: float) -> None:
         self.amplitude, self.omega = amplitude, omega

@@ -50,11 +50,7 @@ class RecordedRun:
     plant: dict[str, Any] = field(default_factory=dict)
 
     def last_before(self, name: str, t: float) -> float:
-        """
-        Return the last value of a series up to an instant.
-
-        t: time since the start [s]
-        """
+        """Return the last value of a series up to an instant; t: time since the start [s]."""
         series = self.series[name]
         index = int(np.searchsorted(series[:, 0], t + 1e-6, side='right')) - 1
         return float(series[index, 1]) if index >= 0 else float('nan')

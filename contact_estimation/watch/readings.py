@@ -70,11 +70,7 @@ class ContactLog:
         self.add(f'{key}/lower', stamp_ns, value - band)
 
     def add_status(self, stamp_ns: int, text: str) -> None:
-        """
-        Add the state of the estimator where it has changed.
-
-        stamp_ns: when [ns]
-        """
+        """Add the state of the estimator where it has changed; stamp_ns: when [ns]."""
         if text != self._status:
             self._status = text
             level = INFO if text.startswith(_AS_EXPECTED) else WARNING

@@ -148,11 +148,7 @@ MISTAKES = (
 def healthy_session(
     estimator: str, experiment: str, wall: tuple[float, float], seed: int
 ) -> tuple[ContactSession, list[ContactSample]]:
-    """
-    Run one closed loop in which nothing is wrong.
-
-    wall: K_e [N/m] and B_e [N s/m]
-    """
+    """Run one closed loop in which nothing is wrong; wall: K_e [N/m] and B_e [N s/m]."""
     plant = build(PlantParameters, {
         **PAPER_NOISE, 'environment.stiffness': wall[0], 'environment.damping': wall[1],
         'seed': seed})

@@ -133,11 +133,7 @@ _RATES = (500.0, 1000.0)
 
 
 def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str, Any]:
-    """
-    Alternate echo and estimator at each rate.
-
-    seconds: duration of each run [s]
-    """
+    """Alternate echo and estimator at each rate; seconds: duration of each run [s]."""
     own = {'echo': [], 'estimator': [f'estimator:={estimator}']}
     runs: list[dict[str, Any]] = []
     for rate in _RATES:

@@ -62,11 +62,7 @@ class Builder:
         self._t, self._x = 0.0, stage.rest
 
     def wait(self, duration: float) -> None:
-        """
-        Stay in place.
-
-        duration: duration [s]
-        """
+        """Stay in place for a duration [s]."""
         self.go(self._x, duration)
 
     def go(self, position: float, duration: float, excitation: Excitation | None = None) -> None:
@@ -102,11 +98,7 @@ class Builder:
         self.go(self._x, duration, signal)
 
     def retract(self, duration: float) -> None:
-        """
-        Move back to the rest position.
-
-        duration: duration [s], as for `go`
-        """
+        """Move back to the rest position in a duration [s], as for `go`."""
         self.go(self._stage.rest, duration)
 
     def experiment(self, name: str) -> Experiment:

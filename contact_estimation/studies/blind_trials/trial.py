@@ -140,11 +140,7 @@ def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallPara
 
 
 def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
-    """
-    Collect the ground truth of a trial.
-
-    force_floor: RMS of the recorded force noise [N]
-    """
+    """Collect the ground truth of a trial; force_floor: RMS of the recorded force noise [N]."""
     world, effect = trial.world, EFFECTS.get(trial.effect)
     effects = [] if effect is None else [
         {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values)}]

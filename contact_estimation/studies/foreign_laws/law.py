@@ -62,11 +62,7 @@ class Compliance(NamedTuple):
 
 
 class ForeignLaw(ABC):
-    """
-    A law that is not in the vocabulary of the diagnosis.
-
-    values: parameters by name
-    """
+    """A law that is not in the vocabulary of the diagnosis; values: parameters by name."""
 
     port: ClassVar[str]  # where the law acts: 'contact', 'force_sensor' or 'robot'
     # families of effects that describe it acceptably; empty where none does

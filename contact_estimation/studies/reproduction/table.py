@@ -11,11 +11,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .case import Case, Errors, PAPER
-from .simulation_cases import SIMULATION_CASES
-from .testbed_cases import TESTBED_CASES
-
-ALL_CASES: list[Case] = [*SIMULATION_CASES, *TESTBED_CASES]
+from .cases import ALL_CASES, Case, Errors, PAPER
 
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:

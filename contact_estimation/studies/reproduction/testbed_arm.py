@@ -69,12 +69,7 @@ class PlanarArm:
         self._j12, self._j23 = -j2, -j3
 
     def mass_matrix(self, angles: Triple) -> Symmetric:
-        """
-        Compute M(a).
-
-        angles: link angles [rad]
-        Returns M: upper triangle [kg m^2]
-        """
+        """Compute M(a); angles: link angles [rad]; returns M: upper triangle [kg m^2]."""
         a1, a2, a3 = angles
         return (
             self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3),
