@@ -68,8 +68,7 @@ def _known_group(name: str, known: Sequence[str]) -> str:
     """Return the longest prefix, including its dot, that known names share with a name."""
     parts = name.split('.')
     groups = ('.'.join(parts[:count]) + '.' for count in range(len(parts) - 1, 0, -1))
-    return next((group for group in groups
-                 if any(each.startswith(group) for each in known)), '')
+    return next((group for group in groups if any(each.startswith(group) for each in known)), '')
 
 
 class SignalShapeError(ContactEstimationError, ValueError):

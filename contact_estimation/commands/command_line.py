@@ -36,9 +36,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(1, f'{self.prog}: {printable(message)}; see {self.prog} --help\n')
 
 
-def command(
-    make_parser: Callable[[], Parser], run: Callable[[Any], int]
-) -> Callable[..., int]:
+def command(make_parser: Callable[[], Parser], run: Callable[[Any], int]) -> Callable[..., int]:
     """Return the `main` function of a command."""
     def main(args: Sequence[str] | None = None) -> int:
         parser = make_parser()
@@ -237,9 +235,7 @@ def _same_file(first: str, second: str) -> bool:
     return os.path.realpath(first) == os.path.realpath(second)
 
 
-def check_outputs(
-    paths: Iterable[str | None], inputs: Mapping[str, Iterable[str | None]]
-) -> None:
+def check_outputs(paths: Iterable[str | None], inputs: Mapping[str, Iterable[str | None]]) -> None:
     """Check, before the work, that all results can be written; see `different_files`."""
     given = [path for path in paths if path]
     for path in given:

@@ -99,8 +99,7 @@ def run(options: Any) -> int:
     for one in simulations:
         nominal, simulated = diagnose_simulation(one, nominal, seed=options.seed, progress=stage)
     assert nominal is not None
-    diagnosis = diagnose(
-        recordings, nominal, held_out=held_out, seed=options.seed, progress=stage)
+    diagnosis = diagnose(recordings, nominal, held_out=held_out, seed=options.seed, progress=stage)
     progress.done()
     proposal = choose(diagnosis)
     if proposal is not None:

@@ -95,9 +95,7 @@ def _new_recording(path: str) -> Path:
     return new_file(path)
 
 
-def _simulate_like(
-    model: PlantParameters, signals: RecordedSignals, options: Any
-) -> Simulation:
+def _simulate_like(model: PlantParameters, signals: RecordedSignals, options: Any) -> Simulation:
     wrench, reference, recording = signals.wrench, signals.reference_trajectory, options.like
     if len(reference):
         if options.between not in ('straight', 'held'):
@@ -120,9 +118,7 @@ def _simulate_like(
         model, wrench.stamp_ns, wrench.values[0], _start(signals), options.between)
 
 
-def _write_picture(
-    options: Any, model: PlantParameters, joint: str, trace: EstimateTrace
-) -> None:
+def _write_picture(options: Any, model: PlantParameters, joint: str, trace: EstimateTrace) -> None:
     """Replay what was written, and plot it with the estimates beside the true values."""
     reader, source, wall = RecordingReader(options.output), RecordingSource(), model.environment
     parameters = {'axis': options.axis or 'x', 'joint': joint, 'sample_rate': model.sample_rate,

@@ -173,8 +173,7 @@ def prepare_names(fleet: Fleet) -> dict[str, Any] | None:
 
 def _cell(members: Sequence[Entry], name: str) -> dict[str, Any] | None:
     """Return how often a name occurs, and where first."""
-    named = [entry for entry in members
-             if any(effect['name'] == name for effect in entry.effects)]
+    named = [entry for entry in members if any(effect['name'] == name for effect in entry.effects)]
     if not named:
         return None
     return {'count': len(named), 'entry': named[0], 'start': start_of(named[0])}

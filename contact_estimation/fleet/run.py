@@ -16,8 +16,7 @@ import numpy as np
 from .discovery import FoundRecording
 from .findings import by_group, Change, changes
 from .fingerprint import recording_sha256, Settings
-from .one_recording import (
-    Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, Result)
+from .one_recording import (Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, Result)
 from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import json_content, printable
@@ -112,8 +111,7 @@ def pooled_calls(pool: Pool, settings: Settings, with_page: bool) -> dict[str, C
     """Return the diagnoses of a pool: the whole, then without each member in turn."""
     members = pool.members
     whole = settings.key('pooled', *(one.sha256 for one in members))
-    calls = {whole: Call(process_pooled, ([one.path for one in members], [], settings,
-                                          with_page))}
+    calls = {whole: Call(process_pooled, ([one.path for one in members], [], settings, with_page))}
     for left_out in members:
         others = [one for one in members if one is not left_out]
         key = settings.key('left out', left_out.sha256, *(one.sha256 for one in others))

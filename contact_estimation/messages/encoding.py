@@ -126,9 +126,7 @@ def encode_float64(value: float) -> bytes:
     return _FLOAT64.pack(_LITTLE_ENDIAN, value)
 
 
-def encode_multi_array(
-    dimensions: Sequence[tuple[str, int]], values: Sequence[float]
-) -> bytes:
+def encode_multi_array(dimensions: Sequence[tuple[str, int]], values: Sequence[float]) -> bytes:
     """Return a std_msgs/msg/Float64MultiArray."""
     layout, stride = len(dimensions).to_bytes(4, 'little'), len(values)
     for label, size in dimensions:

@@ -71,8 +71,7 @@ class DrivenWall:
                 'only a wall that is permanently attached follows a force alone, got '
                 'environment.unilateral true; set it to false, or give a reference_trajectory'
             )
-        effects: list[Effect] = effects_that_are_on(
-            parameters.physics, parameters.sign_velocity)
+        effects: list[Effect] = effects_that_are_on(parameters.physics, parameters.sign_velocity)
         self._sensor = [e for e in effects if isinstance(e, ForceSensorEffect)]
         self._law = ContactLaw(
             wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects

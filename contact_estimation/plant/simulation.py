@@ -68,8 +68,7 @@ def simulate_on(
     begin: the world's time at t[0] [s], on which some effects depend
     """
     since = t - t[0] + begin
-    return simulate_at(
-        parameters, since, reference_through(since, reference_rows), x0, v0, begin)
+    return simulate_at(parameters, since, reference_through(since, reference_rows), x0, v0, begin)
 
 
 def simulate_at(

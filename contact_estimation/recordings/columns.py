@@ -119,9 +119,7 @@ def signals_of_columns(
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
 
 
-def columns_of_signals(
-    columns: Columns, chosen: Mapping[str, str], where: str
-) -> dict[str, str]:
+def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
     """Choose the column of each signal."""
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for key, column in chosen.items():

@@ -29,9 +29,7 @@ def jazzy_typestore() -> Any:
     try:
         from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
-        raise MissingPackageError.of(
-            'rosbags', 'a recording with message definitions'
-        ) from error
+        raise MissingPackageError.of('rosbags', 'a recording with message definitions') from error
     return get_typestore(Stores.ROS2_JAZZY)
 
 

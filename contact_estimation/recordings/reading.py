@@ -90,9 +90,7 @@ class RecordingReader:
         """Read messages one by one."""
         return (message for batch in self.batches(topics) for message in batch)
 
-    def batches(
-        self, topics: Collection[str] | None = None
-    ) -> Iterator[list[RecordedMessage]]:
+    def batches(self, topics: Collection[str] | None = None) -> Iterator[list[RecordedMessage]]:
         """Read messages chunk by chunk, which is faster than one by one."""
         wanted, changes = None, {}
         if topics is not None:

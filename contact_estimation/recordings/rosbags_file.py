@@ -61,8 +61,7 @@ class RosbagsFile:
             chosen = [c for c in reader.connections if c.id in names]
             batch: list[RecordedMessage] = []
             for connection, log_time_ns, data in reader.messages(chosen) if chosen else ():
-                batch.append(
-                    RecordedMessage(names[connection.id], int(log_time_ns), bytes(data)))
+                batch.append(RecordedMessage(names[connection.id], int(log_time_ns), bytes(data)))
                 if len(batch) == _BATCH:
                     self.position += len(batch)
                     yield batch

@@ -35,9 +35,7 @@ class ChunkWriter:
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
-        self._writer = Writer(
-            stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD
-        )
+        self._writer = Writer(stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
         self._finish_chunk = _chunk_finisher(self._writer)
         self._schemas: dict[str, int] = {}
         self._bytes = 0

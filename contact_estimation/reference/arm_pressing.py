@@ -45,7 +45,6 @@ def pressing_motion(
     for step in np.diff(path, axis=0):
         here = followed[-1]
         twist = np.concatenate([arm.pose(here, frame)[0].T @ step, np.zeros(3)])
-        followed.append(here + np.linalg.pinv(
-            arm.jacobian(here[None], frame)[0], _DAMPED) @ twist)
+        followed.append(here + np.linalg.pinv(arm.jacobian(here[None], frame)[0], _DAMPED) @ twist)
     v = np.gradient(np.array(followed), t, axis=0)
     return ArmTrajectory(t, np.array(followed), v, np.gradient(v, t, axis=0), np.nan)

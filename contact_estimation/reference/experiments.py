@@ -63,8 +63,7 @@ def _segment_entry(segment: Segment) -> dict[str, Any]:
 def _excitation_entry(excitation: Excitation) -> dict[str, Any]:
     kind, names = next(
         (kind, names) for kind, (make, names) in _EXCITATIONS.items() if type(excitation) is make)
-    return {'kind': kind,
-            **{key: getattr(excitation, name) for key, name in names.items()}}
+    return {'kind': kind, **{key: getattr(excitation, name) for key, name in names.items()}}
 
 
 def _segment(entry: Any, path: Path) -> Segment:

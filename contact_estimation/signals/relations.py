@@ -140,9 +140,7 @@ class GatedRows:
         # The second and third build the columns of K_e and x_e where known physics bend them.
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
 
-    def in_contact(
-        self, dt: float, delta: float, velocity: float, pressing: float
-    ) -> Row | None:
+    def in_contact(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Return the filtered row of a sample in contact."""
         return self._filtered(self._relation.row(dt, delta, velocity, pressing))
 

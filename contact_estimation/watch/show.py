@@ -127,8 +127,7 @@ def has_display() -> bool:
 
 def serve(view: ContactView, layout: Any) -> str:
     view.serves = True
-    address = view.stream.serve_grpc(
-        default_blueprint=layout, server_memory_limit=_MEMORY)
+    address = view.stream.serve_grpc(default_blueprint=layout, server_memory_limit=_MEMORY)
     require_rerun().serve_web_viewer(open_browser=False, connect_to=address)
     page = f'http://localhost:9090/?url={address.replace(":", "%3A").replace("/", "%2F")}'
     return f'serving {page.replace("+", "%2B")}'

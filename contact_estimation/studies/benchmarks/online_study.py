@@ -58,8 +58,7 @@ def make_parser() -> Parser:
         'Markdown table: median / 90 % of errors, and how often the truth is within 2 standard '
         'deviations.',
     )
-    parser.add_argument('--only', nargs='+', metavar='ROW',
-                        help=f'any of {", ".join(ROWS)} (all)')
+    parser.add_argument('--only', nargs='+', metavar='ROW', help=f'any of {", ".join(ROWS)} (all)')
     parser.add_argument('--json', metavar='FILE', help='write the summary and every world as JSON')
     return _with_common_options(parser)
 

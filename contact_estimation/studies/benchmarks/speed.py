@@ -9,8 +9,7 @@ import os
 import platform
 from typing import Any
 
-from ...commands.command_line import (
-    as_json, check_outputs, command, Parser, write_results)
+from ...commands.command_line import (as_json, check_outputs, command, Parser, write_results)
 from ...estimators import ONLINE_ESTIMATORS
 from ...exceptions import ParameterRangeError
 from ...pipeline.parameters import EstimationParameters

@@ -104,8 +104,7 @@ _NOTHING_FROZEN = Frozen(False, False)
 
 def _session_steps(data: ContactData, name: str) -> Steps:
     """Prepare a whole session: synchroniser, pipeline and reference, message by message."""
-    session = ContactSession(
-        build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
+    session = ContactSession(build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
 
     def add(pairs: Sequence[tuple[ContactSample, Reference]]) -> None:
         for (stamp_ns, position, velocity, force), _ in pairs:
@@ -202,8 +201,7 @@ def _alternate(candidates: dict[str, Steps], count: int) -> dict[str, float]:
     for begin in range(0, count - _BLOCK + 1, _BLOCK):
         for name, steps in candidates.items():
             size = 1 if name.endswith(_SESSION) else _BLOCK
-            spent[name] += [_timed(steps, k, k + size)
-                            for k in range(begin, begin + _BLOCK, size)]
+            spent[name] += [_timed(steps, k, k + size) for k in range(begin, begin + _BLOCK, size)]
     gc.unfreeze()
     figures: dict[str, float] = {}
     for name, times in spent.items():
@@ -224,6 +222,5 @@ def _timed(steps: Steps, begin: int, end: int) -> float:
 
 def _row(name: str, spent: dict[str, float]) -> dict[str, Any]:
     times = {figure: spent[f'{name} {figure}'] for figure in _FIGURES}
-    ratios = {f'{figure[:-3]}/filterpy': time / spent[_FILTERPY]
-              for figure, time in times.items()}
+    ratios = {f'{figure[:-3]}/filterpy': time / spent[_FILTERPY] for figure, time in times.items()}
     return {'estimator': name, **times, **ratios}

@@ -49,8 +49,7 @@ class Faded(Excitation):
         """Differentiate; see `Excitation.rates`."""
         w, w_dot, w_ddot = self._window(t)
         value, (first, second) = self._signal.value(t), self._signal.rates(t)
-        return (w_dot * value + w * first,
-                w_ddot * value + 2.0 * w_dot * first + w * second)
+        return (w_dot * value + w * first, w_ddot * value + 2.0 * w_dot * first + w * second)
 
 
 class Builder:

@@ -56,9 +56,7 @@ def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) ->
     return Nuisances(*(float(f'{value:.4g}') for value in drawn))
 
 
-def disturbed(
-    t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator
-) -> Array:
+def disturbed(t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator) -> Array:
     """
     Add bias, cable, hum and coloured noise to a force.
 

@@ -239,8 +239,7 @@ def write_json(path: Path, content: Any) -> None:
 
 def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
     """Write the nominal model: the wall as modelled, the true robot."""
-    environment = {'stiffness': wall.stiffness, 'damping': wall.damping,
-                   'location': wall.location}
+    environment = {'stiffness': wall.stiffness, 'damping': wall.damping, 'location': wall.location}
     values: dict[str, Any] = {'environment': environment}
     if not wall.unilateral:
         environment.update(inertia=wall.inertia, unilateral=False)

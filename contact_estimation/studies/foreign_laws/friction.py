@@ -102,8 +102,7 @@ class AsymmetricCoulomb(ContactLaw):
         F_in = 0.3 * m.force
         ratio = float(rng.choice([log_uniform(rng, 0.5, 0.8), log_uniform(rng, 1.25, 2.0)]))
         stiffness = F_in / (m.depth * log_uniform(rng, 1e-3, 5e-3))
-        return lambda s: {'F_in': s * F_in, 'F_out': s * ratio * F_in,
-                          'stiffness': s * stiffness}
+        return lambda s: {'F_in': s * F_in, 'F_out': s * ratio * F_in, 'stiffness': s * stiffness}
 
     def respond(self, t: float, d: float, v: float, dt: float, state: Any) -> Reply:
         p = self.values

@@ -53,8 +53,7 @@ class JointFriction(RobotLaw):
         wave = float(rng.uniform(0.2, 0.6))
         pitch = m.depth * log_uniform(rng, 0.3, 2.0)
         stiffness = F_c / (2e-3 * m.depth)
-        return lambda s: {'F_c': s * F_c, 'wave': wave, 'pitch': pitch,
-                          'stiffness': s * stiffness}
+        return lambda s: {'F_c': s * F_c, 'wave': wave, 'pitch': pitch, 'stiffness': s * stiffness}
 
     def drive(self, u: float, x: float, v: float, dt: float, state: Any) -> Reply:
         p = self.values

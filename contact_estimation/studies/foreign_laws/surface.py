@@ -54,8 +54,7 @@ class BaseVibration(ContactLaw):
     @classmethod
     def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
         frequency, seed = log_uniform(rng, 8.0, 25.0), float(rng.integers(1_000_000))
-        return lambda s: {'amplitude': 0.2 * s * m.depth, 'frequency': frequency,
-                          'seed': seed}
+        return lambda s: {'amplitude': 0.2 * s * m.depth, 'frequency': frequency, 'seed': seed}
 
     def __init__(self, values: Values) -> None:
         super().__init__(values)

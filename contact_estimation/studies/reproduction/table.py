@@ -72,9 +72,7 @@ def as_text(rows: list[dict[str, Any]]) -> str:
             _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
             for kind in ('error', 'rms', 'average', 'bound')
         ]
-        paper = _pair(
-            row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1
-        )
+        paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
         lines.append(
             f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
             + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'

@@ -124,9 +124,7 @@ class PlanarArm:
             ),
         )
 
-    def joint_friction(
-        self, rates: Triple, dry: float = 1.0, viscous: float = 1.0
-    ) -> Triple:
+    def joint_friction(self, rates: Triple, dry: float = 1.0, viscous: float = 1.0) -> Triple:
         """
         Compute the friction of the gears.
 
@@ -208,9 +206,7 @@ class ImpedanceController:
         self._model = PlanarArm(constants.arm, rotors=False)
         self._target = target
 
-    def torques(
-        self, angles: Triple, rates: Triple, force: float, reference: Reference
-    ) -> Triple:
+    def torques(self, angles: Triple, rates: Triple, force: float, reference: Reference) -> Triple:
         """
         Compute the motor torques for one sample period.
 

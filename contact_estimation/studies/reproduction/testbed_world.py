@@ -143,8 +143,7 @@ class TestbedWorld:
         w1, w2, w3 = self._rates
         b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
         (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
-        return (x1 * b1 + x2 * b2 + x3 * b3
-                - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
+        return (x1 * b1 + x2 * b2 + x3 * b3 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
 
     def _step(self, h: float) -> None:
         """Integrate one step by the midpoint rule."""
