@@ -16,8 +16,8 @@ from ..exceptions import ParameterRangeError
 from ..scheduling import ThisProcess, Workers, workers
 from ..studies.blind_trials.arm_trials import arm_text, run_arm_trials
 from ..studies.blind_trials.calibration import calibrate
+from ..studies.blind_trials.exact_scoring import as_dict, as_text, plot_confusion
 from ..studies.blind_trials.family_scoring import family_dict, family_text, plot_reliability
-from ..studies.blind_trials.report import as_dict, as_text, plot_confusion
 from ..studies.blind_trials.study import judged_trials, plan_study, run_study, Scores
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')

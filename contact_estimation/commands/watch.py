@@ -20,8 +20,8 @@ from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..ros.loop_processes import require_rclpy
-from ..watch.show import follow_recording, show, show_recording, WEB, WINDOW
-from ..watch.view import ContactView, require_rerun
+from ..watch.view import (
+    ContactView, follow_recording, require_rerun, show, show_recording, WEB, WINDOW)
 
 _OF_RECORDINGS = ('follow', 'topic', 'axis', 'joint', 'params', 'estimator')
 _FOLLOWED_S = 20.0  # shown of a recording that is being written

@@ -16,7 +16,7 @@ from mcap.opcode import Opcode
 from mcap.records import Metadata
 
 from .chunk_reader import Channels, parsed, read_chunk, RecordedMessage, walk
-from .mcap_records import (ENDS, MAGIC, read_summary, Record, RECORD_HEAD, RecordScanner, Summary)
+from .mcap_records import ENDS, MAGIC, read_summary, Record, RECORD_HEAD, RecordScanner, Summary
 from .topic_names import canonical
 from ..exceptions import RecordingError
 from ..texts import LFS_POINTER

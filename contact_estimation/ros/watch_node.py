@@ -20,8 +20,7 @@ from .running import run_node
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
 from ..watch.live import LiveContact
-from ..watch.show import show
-from ..watch.view import ContactView
+from ..watch.view import ContactView, show
 
 PURPOSE = 'watch_node: show a running estimator in Rerun'
 _FLUSH_S = 0.1

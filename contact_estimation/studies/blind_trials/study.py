@@ -18,9 +18,9 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 
 from .calibration import judged, JudgedTrial
+from .exact_scoring import Score, score
 from .family_scoring import family_score, FamilyScore
 from .rig_trial import draw_rig_trial
-from .scoring import Score, score
 from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
 from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from ...scheduling import Call, Workers
