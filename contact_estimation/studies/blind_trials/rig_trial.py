@@ -124,7 +124,7 @@ def magnitudes_of(rig: Rig, run: Run) -> Magnitudes:
     pressing = np.abs(run.force) > 0.0
     control, mass = 0.0, 0.0
     if rig.robot is not None:
-        control, mass = float(np.max(np.abs(_control(rig, run)))), rig.robot.mass
+        control, mass = float(np.max(np.abs(run.control(rig.robot)))), rig.robot.mass
     depth = run.x - rig.wall.location
     force = float(np.percentile(np.abs(run.force), 99.5))
     speed = float(np.percentile(np.abs(run.v[pressing]), 98)) if pressing.any() else 1e-3
@@ -134,21 +134,12 @@ def magnitudes_of(rig: Rig, run: Run) -> Magnitudes:
         mass=mass or rig.wall.inertia or 1e-3 * force)
 
 
-def _control(rig: Rig, run: Run) -> Array:
-    """Return the control force of eq. (1) without F_e [N]."""
-    robot = rig.robot
-    assert robot is not None, 'only a robot has a control force'
-    return np.asarray(robot.mass * run.a_r - robot.damping * (run.v - run.v_r)
-                      - robot.stiffness * (run.x - run.x_r))
-
-
 def _is_usable(rig: Rig, run: Run) -> bool:
     """Return whether the force stays within its range and a robot touches long enough."""
     if rig.robot is None:
         return True
-    contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
     force = rig.wall.stiffness * rig.depth
-    return contact_s > 2.0 and bool(np.max(np.abs(run.force)) < _MAX_FORCE * force)
+    return run.contact_s > 2.0 and bool(np.max(np.abs(run.force)) < _MAX_FORCE * force)
 
 
 # -- how far the law stands out ---------------------------------------------------------------
@@ -171,7 +162,7 @@ def rig_residual(port: str, rig: Rig, run: Run) -> Array:
     """
     a = np.gradient(run.v, run.t)
     if port == 'robot' and rig.robot is not None:
-        balance = rig.robot.mass * a - _control(rig, run) - run.sensed
+        balance = rig.robot.mass * a - run.control(rig.robot) - run.sensed
         b_a = butter(2, _ROBOT_HZ, fs=1.0 / float(run.t[1]))
         return np.asarray(filtfilt(*b_a, balance))
     d, attached = run.x - rig.wall.location, not rig.wall.unilateral

@@ -118,8 +118,7 @@ def _conceal(
 
 def _is_usable(run: Run) -> bool:
     """Return whether the contact is long enough and free of hard impacts."""
-    contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
-    return contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
+    return run.contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
 
 
 def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL) -> list[str]:
