@@ -34,22 +34,7 @@ _OF_ONE_AXIS = ('axis', 'joint')
 
 def run(options: Any) -> int:
     """Diagnose an arm, write the requested files and print the report."""
-    for name in _OF_ONE_AXIS:
-        if getattr(options, name):
-            raise ParameterRangeError(
-                f'--{name} belongs to the diagnosis of a single axis, and --nominal-robot to that '
-                'of a whole arm, whose contact lies along contact.normal of --params')
-    if options.write_model and not options.nominal:
-        raise ParameterRangeError(
-            '--write-model needs --nominal MODEL.yaml, the contact that is corrected; '
-            '--write-urdf writes the corrected arm')
-    check_outputs(
-        [options.json, options.html, options.write_urdf, options.write_trajectory,
-         _beside(options.write_urdf, '.mjcf'), _beside(options.write_trajectory, '.yaml'),
-         options.write_comparison, options.write_model],
-        {'the robot description': [options.nominal_robot],
-         'a recording': [*options.recordings, *options.holdout, options.simulation],
-         'the nominal model file': [options.nominal], 'a parameter file': options.params})
+    _check(options)
     if options.html:
         require_matplotlib()
     urdf = read_description(options.nominal_robot)
@@ -72,6 +57,26 @@ def run(options: Any) -> int:
         print(f'Simulation {options.simulation}: {headline(simulated)}.\n')
     print(as_text(diagnosis))
     return 0
+
+
+def _check(options: Any) -> None:
+    """Refuse options that do not fit together, and results that cannot be written."""
+    for name in _OF_ONE_AXIS:
+        if getattr(options, name):
+            raise ParameterRangeError(
+                f'--{name} belongs to the diagnosis of a single axis, and --nominal-robot to that '
+                'of a whole arm, whose contact lies along contact.normal of --params')
+    if options.write_model and not options.nominal:
+        raise ParameterRangeError(
+            '--write-model needs --nominal MODEL.yaml, the contact that is corrected; '
+            '--write-urdf writes the corrected arm')
+    check_outputs(
+        [options.json, options.html, options.write_urdf, options.write_trajectory,
+         _beside(options.write_urdf, '.mjcf'), _beside(options.write_trajectory, '.yaml'),
+         options.write_comparison, options.write_model],
+        {'the robot description': [options.nominal_robot],
+         'a recording': [*options.recordings, *options.holdout, options.simulation],
+         'the nominal model file': [options.nominal], 'a parameter file': options.params})
 
 
 def _contact(
