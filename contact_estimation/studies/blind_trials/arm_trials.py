@@ -152,7 +152,8 @@ def _drawn(
     name = list(ARM_MODELS)[(number + number // (len(KINDS) + 2)) % len(ARM_MODELS)]
     urdf = arm_description(name)
     arm = ArmDynamics(urdf)
-    n, normal = len(arm.joints), np.array([0.0, 0.0, -1.0])
+    n = len(arm.joints)
+    normal = np.array([0.0, 0.0, -1.0])
     if pressing:
         motion = pressing_motion(arm, TIP, np.array(PRESSING[name]), normal, rng)
     else:
@@ -160,61 +161,42 @@ def _drawn(
     one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
     links = np.clip(1.0 + _LINKS_OFF * rng.normal(size=n), 0.95, 1.05)
     true = arm.with_parameters(arm.neutral * np.repeat(links, PER_LINK))
-    laws = _everywhere(one, rng)
+    laws = [ArmLaw('coulomb_friction', [share], j, 1e-3)
+            for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
+    laws += [ArmLaw('viscous_friction', [share], j)
+             for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
+    laws += [ArmLaw('force_bias', [zero], j)
+             for j, zero in enumerate(rng.normal(size=n) * 0.005 * one.size)]
     truth: dict[str, Any] = {'kind': kind, 'arm': name, 'effects': []}
     extra, impedance = None, None
     if pressing:
         wall = [] if kind not in _WALL_LAWS else effects_that_are_on(
             build(PlantParameters, _wall_law(kind, rng)).physics)
-        truth['effects'] = [{'name': own.name, 'family': own.family, 'place': None}
-                            for own in wall]
+        truth['effects'] = [{'name': one.name, 'family': one.family, 'place': None}
+                            for one in wall]
         impedance = Impedance(
             normal, ContactLaw(_STIFFNESS, _DAMPING, _SURFACE, 0.0, True, wall),
             noise=np.array(3 * [0.3] + 3 * [0.02]))
     if kind in KINDS:
-        laws.append(_concealed(kind, one, pressing, rng))
-        truth['effects'] = [_truth_of(kind, laws[-1], arm)]
+        law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
+        if pressing and kind == 'joint_flexibility':
+            law = replace(law, theta=[_STIFF * law.theta[0]])
+        laws.append(law)
+        place = law.place
+        truth['effects'] = [{'name': kind, 'family': JOINT_EFFECTS[kind].family,
+                             'place': None if place is None or kind == 'payload'
+                             else arm.joints[place],
+                             'parameters': [float(x) for x in law.theta]}]
     elif kind == UNKNOWN:
-        j, extra = _unknown_torque(one, rng)
+        j = one.joint(rng)
+        t, extra = motion.t, np.zeros_like(motion.q)
+        tones = rng.uniform(0.15, 0.9, 6)
+        wave = sum(np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0)) for f in tones)
+        extra[:, j] = rng.uniform(0.1, 0.2) * one.size[j] * wave / np.std(wave)
         truth['effects'] = [{'name': UNKNOWN, 'place': arm.joints[j]}]
     sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
                          rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
     return urdf, simulate_arm(true, motion, laws, sensors, number, extra, impedance), truth
-
-
-def _everywhere(one: _Arm, rng: np.random.Generator) -> list[ArmLaw]:
-    """Draw friction and an offset for every joint."""
-    n = len(one.arm.joints)
-    sizes = {'coulomb_friction': rng.uniform(0.01, 0.05, n),
-             'viscous_friction': rng.uniform(0.01, 0.05, n),
-             'force_bias': rng.normal(size=n) * 0.005}
-    return [ArmLaw(name, [size], j, 1e-3 if name == 'coulomb_friction' else 0.0)
-            for name, shares in sizes.items() for j, size in enumerate(shares * one.size)]
-
-
-def _concealed(kind: str, one: _Arm, pressing: bool, rng: np.random.Generator) -> ArmLaw:
-    """Draw the law that is concealed."""
-    law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
-    if pressing and kind == 'joint_flexibility':
-        law = replace(law, theta=[_STIFF * law.theta[0]])
-    return law
-
-
-def _truth_of(kind: str, law: ArmLaw, arm: ArmDynamics) -> dict[str, Any]:
-    place = law.place
-    return {'name': kind, 'family': JOINT_EFFECTS[kind].family,
-            'place': None if place is None or kind == 'payload' else arm.joints[place],
-            'parameters': [float(x) for x in law.theta]}
-
-
-def _unknown_torque(one: _Arm, rng: np.random.Generator) -> tuple[int, Array]:
-    """Draw a joint, and a torque of it that is no function of the state [N m], shape (N, n)."""
-    j = one.joint(rng)
-    t, extra = one.motion.t, np.zeros_like(one.motion.q)
-    tones = rng.uniform(0.15, 0.9, 6)
-    wave = sum(np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0)) for f in tones)
-    extra[:, j] = rng.uniform(0.1, 0.2) * one.size[j] * wave / np.std(wave)
-    return j, extra
 
 
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
