@@ -9,13 +9,17 @@ from typing import Generator, NamedTuple
 
 import numpy as np
 
-from .laws import Array, CHOSEN, COLUMNS, DEEP, FORCE_RATE, Ints, prior, scales, UNKNOWNS
+from .constants import NEAR_DEPTH, NOISE_DOUBT
+from .laws import (
+    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, Ints, NOISE, OF_DEPTH, ONE, prior,
+    scales, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
+_CLEAN = 0.9999  # reliability of a depth without noise
 _RIDGE = 1e-10  # of a unit diagonal, so that columns that are the same leave no singular matrix
 
 
@@ -64,6 +68,7 @@ class _Normal(NamedTuple):
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
+    blur: Array  # (N,) what the noise of the position may add to the information of K
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -78,7 +83,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2), couples K and s.
 
-    grams (N, 15, 15): one for each hypothesis
+    grams (N, 16, 16): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 
@@ -95,6 +100,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
+    grams, reliability = _calibrated(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -108,7 +114,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
             :, FORCE_RATE, FORCE_RATE]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
-    std[:, 3] = K * what.std
+    std[:, 3] = K * np.minimum(what.std, np.where(CURVED[laws], NEAR_DEPTH * scene.depth, np.inf))
     precision = std ** -2.0
     offset = what.centre - scene.x0
     L = np.zeros((count, UNKNOWNS, UNKNOWNS))
@@ -122,12 +128,39 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1)
-    return _Normal(scaled, unit, eta, std, squares)
+    doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
+    row, of_one = np.arange(count), np.maximum(grams[:, ONE, ONE], 1e-30)
+    scatter = gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one
+    return _Normal(scaled, unit, eta, std, squares, doubt * scatter)
+
+
+def _calibrated(grams: Array) -> tuple[Array, Array]:
+    """
+    Return Gram matrices with the depth expected at what was measured of it, and its reliability.
+
+    Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
+    would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
+    place of y (regression calibration: Carroll et al., Measurement Error in Nonlinear Models,
+    2006, ch. 4); a tool that rests tells nothing but its mean.
+    """
+    of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
+    mean = grams[:, OF_DEPTH, ONE] / of_one[:, None]
+    scatter = grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE]
+    noise = grams[:, NOISE, NOISE]
+    reliability = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
+    if reliability.min() > _CLEAN:
+        return grams, reliability
+    share, grams = reliability[:, None, None], grams.copy()
+    mean = (1.0 - share) * mean[:, :, None]
+    grams[:, OF_DEPTH] = share * grams[:, OF_DEPTH] + mean * grams[:, None, ONE]
+    rows = grams.transpose(0, 2, 1)
+    rows[:, OF_DEPTH] = share * rows[:, OF_DEPTH] + mean * rows[:, None, ONE]
+    return grams, reliability
 
 
 def _solved(equations: _Normal) -> Judged:
     """Return the posteriors that normal equations have."""
-    scaled, unit, eta, std, squares = equations
+    scaled, unit, eta, std, squares, blur = equations
     sign, volume = np.linalg.slogdet(scaled)
     P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
     theta = (P @ eta[:, :, None])[:, :, 0]
@@ -137,6 +170,9 @@ def _solved(equations: _Normal) -> Judged:
     if not sound.all():
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
         P = np.where(sound[:, None, None], P, 0.0)
+    if blur.any():
+        moved = P[:, :, 0] * (blur * theta[:, 0])[:, None]  # by another noise of the position
+        P = P + moved[:, :, None] * moved[:, None, :]
     return Judged(evidence, theta, P)
 
 

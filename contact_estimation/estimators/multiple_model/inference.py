@@ -80,7 +80,7 @@ class WallInference:
         self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
-        self._touched = nan
+        self._touched: tuple[float, float] | None = None
         self._excited_at, self._excitation = -1, (inf, inf)
 
     def expect(self, surface: float, std: float) -> None:
@@ -130,16 +130,27 @@ class WallInference:
 
     # -- blocks -----------------------------------------------------------------------------
 
-    def touch(self, x: float) -> None:
-        """Begin a contact at a position [m]: the wall may be another."""
+    def touch(self, x: float, onset: float) -> None:
+        """
+        Begin a contact: the wall may be another.
+
+        x, onset: where the contact was noticed, and where the force may have begun [m]
+        """
         self.rhythm.touch()
         known = self.known
+        self._touched = 0.5 * (x + onset), 0.5 * abs(x - onset) + self._touch_error
+        if not self.rhythm.blocks:
+            self._x0 = onset  # powers of the depth are right near their reference only
         if known.surface != known.surface:
-            self._x0 = x
-            self._surfaces = [(x, ANYWHERE_M, 1.0)]
+            self._surfaces = [(*self._touched, NEAR), (onset, ANYWHERE_M, ELSEWHERE)]
         elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
-        self._touched = x
+
+    @property
+    def _touch_error(self) -> float:
+        """Return the standard deviation of a position [m]."""
+        noise = self._blocks.noise[0]
+        return EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
 
     def alarms(self, shorts: Array) -> NDArray[np.bool_]:
         """Return which short blocks are not what the wall as known explains."""
@@ -229,10 +240,10 @@ class WallInference:
         """Add a block to all that is known; the older, the less."""
         seconds = phi.shape[1] * self._blocks.smoothing.hop * self._blocks.period_s
         fade = exp(-seconds / FADE_S)
-        if self._touched == self._touched:
+        if self._touched is not None:
             if self.rhythm.blocks:
                 self._runs.begin(self._touched)
-            self._touched = nan
+            self._touched = None
         self.rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth = max(float(phi[DEPTH].mean()), 1e-5)
@@ -325,7 +336,8 @@ class WallInference:
         self._gram = gram
         self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.changes += 1
-        self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
+        self._surfaces = [(centre, std, STILL_THERE),
+                          (centre, max(self._depth, std), ELSEWHERE)]
         if self._told[0] == self._told[0]:
             self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
@@ -347,7 +359,7 @@ class WallInference:
         if self.rhythm.early:
             return ratio
         before = self._residual if self._residual == self._residual else 1.0
-        share = phi.shape[1] * smooth.hop * self._blocks.period_s / _RESIDUAL_S
+        share = min(phi.shape[1] * smooth.hop * self._blocks.period_s / _RESIDUAL_S, 1.0)
         self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
         return ratio
 
@@ -386,7 +398,8 @@ class WallInference:
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             sqrt(self._residual) if self._residual == self._residual else nan)
-        self._rescale(K, B, _SOFTER * self._scale)
+        if self.known.valid:
+            self._rescale(K, B, _SOFTER * self._scale)
 
     def _follow_surface(self) -> None:
         """Move the reference of the columns to the surface where that is known better."""
