@@ -52,7 +52,6 @@ class RosbagsFile:
             self._empty = reader.message_count == 0
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
-        """Read the messages in the order of their log times; see `McapFile.batches`."""
         self.position = 0
         with self._opened() as reader:
             names = {c.id: (c.topic if wanted is None else wanted[canonical(c.topic)])

@@ -48,7 +48,6 @@ class TableFile:
         self.size = max(1, len(order))
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
-        """Read the rows as messages, some at a time; see `McapFile.batches`."""
         names = {topic: topic if wanted is None else wanted[canonical(topic)]
                  for topic in self._topics if wanted is None or canonical(topic) in wanted}
         for begin in range(0, len(self._stamp_ns), _BATCH):

@@ -98,7 +98,6 @@ class StabilityWatch:
 def judged(
     robot: StabilityParameters, K_e: float, K_e_std: float, B_e: float, B_e_std: float
 ) -> StableGains:
-    """Return `stable_gains` of a robot on a wall; see `StabilityWatch.take`."""
     own = asdict(robot)
     M_t, B_t, K_t = (own.pop(name) for name in ('mass', 'damping', 'stiffness'))
     return stable_gains(K_e, B_e, M_t=M_t, B_t=B_t, K_t=K_t, K_e_std=K_e_std, B_e_std=B_e_std,

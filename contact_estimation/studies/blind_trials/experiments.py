@@ -42,11 +42,9 @@ class Faded(Excitation):
         return quintic(1.0, 0.0, _FADE_S, t - self._end + _FADE_S)
 
     def value(self, t: float) -> float:
-        """Evaluate; see `Excitation.value`."""
         return self._window(t)[0] * self._signal.value(t)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Differentiate; see `Excitation.rates`."""
         w, w_dot, w_ddot = self._window(t)
         value, (first, second) = self._signal.value(t), self._signal.rates(t)
         return (w_dot * value + w * first, w_ddot * value + 2.0 * w_dot * first + w * second)

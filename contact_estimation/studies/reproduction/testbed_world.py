@@ -186,7 +186,6 @@ class RawAcquisition(Acquisition):
     """Raw samples, for estimators that filter and differentiate themselves."""
 
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """Return force and position unchanged; see `Acquisition.process`."""
         return force, position, nan
 
 
@@ -204,7 +203,6 @@ class PaperAcquisition(Acquisition):
         self._last = nan
 
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """Filter, differentiate, subtract; see `Acquisition.process`."""
         last = self._last if self._last == self._last else position
         self._last = position
         row = force, position, (position - last) * self._rate
