@@ -40,7 +40,7 @@ _FIGURES = {'study_errors.png': 'K off, median [%]', 'study_coverage.png': 'K in
             'study_convergence.png': 'to 10 % of K, median [s]'}
 
 
-class _Task(NamedTuple):
+class Task(NamedTuple):
     """A world that a candidate follows."""
 
     candidate: str
@@ -136,7 +136,7 @@ def _scores(
     candidates: Sequence[str], rows: Sequence[str], options: Any
 ) -> dict[tuple[str, str], list[Score]]:
     """Return the scores of each candidate in each row."""
-    tasks = [_Task(candidate, row, world, options.seed) for candidate in candidates for row in rows
+    tasks = [Task(candidate, row, world, options.seed) for candidate in candidates for row in rows
              for world in range(ROWS[row].quick if options.quick else ROWS[row].worlds)]
     scores: dict[tuple[str, str], list[Score]] = {}
     progress = Progress('online_study')
@@ -148,7 +148,7 @@ def _scores(
     return scores
 
 
-def scored(task: _Task) -> Score:
+def scored(task: Task) -> Score:
     """Return the score of a candidate in a world."""
     draw = np.random.default_rng([task.seed, crc32(task.row.encode()), task.world])
     trace = CANDIDATES[task.candidate] if task.candidate else follow
