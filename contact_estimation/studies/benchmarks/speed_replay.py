@@ -16,7 +16,7 @@ from typing import Any, Iterator
 from .measuring import Cost, print_table, run_timed
 from .speed_estimators import pressing, RATE, simulated
 from ...estimators import MULTIPLE_MODEL
-from ...exceptions import RecordingError
+from ...exceptions import ContactEstimationError, RecordingError
 from ...messages import JointStateEncoder, WrenchEncoder
 from ...pipeline.axes import Result
 from ...recordings import RecordingReader, RecordingWriter
@@ -88,6 +88,8 @@ def _measure(path: Path, title: str, rounds: int) -> dict[str, Any]:
     for _ in range(rounds):
         for name, command in tasks.items():
             costs[name].append(run_timed(command))
+            if costs[name][-1].error:
+                raise ContactEstimationError(f'{name} failed: {costs[name][-1].error}')
     rows = [_row(name, costs, hours) for name in tasks]
     print_table(f'replay, {title}; start-up of Python included, medians of {rounds}', rows)
     return {'recording': title, 'hours': hours, 'tasks': rows}

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 import subprocess
 import sys
@@ -138,11 +137,9 @@ def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
 
 def _run(command: list[str]) -> str:
     """Run a command and return its error message, '' on success."""
-    # One thread each: several diagnoses run in parallel.
-    environment = {**os.environ, 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
     try:
-        done = subprocess.run(command, env=environment, capture_output=True, text=True,
-                              timeout=_TIMEOUT_S, stdin=subprocess.DEVNULL)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S,
+                              stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         return f'not finished within {_TIMEOUT_S:g} s'
     lines = done.stderr.strip().splitlines()
