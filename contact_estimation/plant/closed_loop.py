@@ -50,13 +50,7 @@ class ClosedLoopRun:
 
 
 def extrapolate(since: float, reference: Reference) -> ReferenceAt:
-    """
-    Extrapolate a reference by its parabola until the next one arrives.
-
-    since: time from which it holds [s]
-    reference: x_r with derivatives and F_r
-    Returns reference_at: from time [s] to the reference
-    """
+    """Extrapolate a reference, which holds since a time [s], by its parabola."""
     x, v, a, F_r = reference
 
     def at(t: float) -> tuple[float, float, float, float]:
@@ -67,12 +61,7 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
 
 
 def push(force: float) -> ReferenceAt:
-    """
-    Hold the control force of a bare arm until the next one arrives.
-
-    force: control force [N]
-    Returns reference_at: from time [s] to a reference at rest with this force
-    """
+    """Hold the control force of a bare arm [N], at rest, until the next one arrives."""
     reference = Reference(0.0, 0.0, 0.0, force)
     return lambda t: reference
 

@@ -86,12 +86,7 @@ class DrivenWall:
         self._rate = parameters.integration_rate
 
     def true_force(self, t: Array, reading: Array) -> Array:
-        """
-        Remove the effects of the sensor from a measured force, except for its mass.
-
-        t, reading (N,): time since the first sample [s] and measured F_e [N]
-        Returns force (N,): F_e less mass times acceleration [N]
-        """
+        """Remove the effects of the sensor, except for its mass, from a reading (N,) [N]."""
         for effect in reversed(self._sensor):
             reading = effect.undo_along(t, reading)
         return reading

@@ -120,12 +120,7 @@ def _checked(signals: Mapping[str, ArrayLike]) -> Signals:
 
 
 def write_csv(path: Path, signals: Mapping[str, NDArray[Any]]) -> None:
-    """
-    Write signals as CSV that reads back without loss.
-
-    path: new file
-    signals (N,): as of `signals_of_recording`; NaN becomes an empty cell
-    """
+    """Write signals as CSV that reads back without loss; NaN becomes an empty cell."""
     try:
         with open(path, 'x', encoding='utf-8') as stream:
             _write_rows(stream, signals)
