@@ -44,12 +44,7 @@ _OVERHEAD_S = 6.9  # of three touches besides their holds
 
 
 def write_archive(folder: Path, count: int, seconds: float) -> Path:
-    """
-    Write an archive and its nominal model.
-
-    count: number of recordings, of which 4 are broken
-    seconds: duration of each [s]
-    """
+    """Write an archive of `count` recordings of some seconds, 4 broken, and its model."""
     experiment = touches(seconds)
     broken = {round((place + 0.5) * count / len(_BREAKERS)): breaker
               for place, breaker in enumerate(_BREAKERS)}
@@ -79,11 +74,7 @@ def world(robot: str, number: int, count: int) -> PlantParameters:
 
 
 def touches(seconds: float) -> Experiment:
-    """
-    Return three touches like those of the experiment `rich`, of any duration.
-
-    seconds: duration [s], at least `LEAST_S`
-    """
+    """Return three touches like those of `rich` in so many seconds, at least `LEAST_S`."""
     away, hold = -0.02, (seconds - _OVERHEAD_S) / 3.0
     segments = [Segment(0.5, away)]
     for approach_s, depth, amplitude, omegas in (

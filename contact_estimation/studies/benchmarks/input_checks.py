@@ -160,12 +160,7 @@ def healthy_session(
 def seconds_to_warning(
     samples: Sequence[ContactSample], mistake: Mistake, estimator: str
 ) -> float:
-    """
-    Return the time from the first contact until the mistake is reported.
-
-    Returns seconds: at least 0 [s]; infinite without a warning, NaN where it is none for the
-    estimator
-    """
+    """Return the time from contact to the report [s]; inf: none, NaN: it is no mistake here."""
     if estimator == MULTIPLE_MODEL and mistake.expected[0] in _OF_ROWS:
         return nan
     session = ContactSession(

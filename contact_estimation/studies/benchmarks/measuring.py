@@ -39,11 +39,7 @@ class CpuMeter:
         self._used_s.append(used_s)
 
     def percent(self, begin_ns: int, end_ns: int) -> float:
-        """
-        Compute the mean load.
-
-        begin_ns, end_ns: interval on the clock of `time.time_ns`, within the samples [ns]
-        """
+        """Compute the mean load in an interval on the clock of `time.time_ns`."""
         zero = self._at_ns[0]
         at = np.array([t - zero for t in self._at_ns], float)
         before, after = np.interp([begin_ns - zero, end_ns - zero], at, self._used_s)
@@ -51,11 +47,7 @@ class CpuMeter:
 
 
 def process_cpu_s(pid: int) -> float:
-    """
-    Read the CPU time of a process.
-
-    Returns used: user and system time of all its threads [s]
-    """
+    """Read the user and system time of all threads of a process [s]."""
     fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
 

@@ -45,11 +45,7 @@ def simulated(experiment: Experiment, duration: float) -> list[Result]:
 
 
 def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
-    """
-    Simulate an approach and a contact with 3 Hz excitation.
-
-    seconds: duration of the contact; a multiple of 1 s has whole periods [s]
-    """
+    """Simulate an approach, and a contact of some seconds with 3 Hz excitation."""
     experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)
     results = simulated(experiment, _SETTLED_S + seconds)
     begin = round(_SETTLED_S * RATE)

@@ -60,13 +60,7 @@ _TIMEOUT_S = 60.0
 
 
 def run_node_once(node: str, rate: float, seconds: float, parameters: list[str]) -> dict[str, Any]:
-    """
-    Run the plant with a node and measure load and latency.
-
-    rate: sample rate [Hz]
-    seconds: duration of the experiment [s]
-    parameters: further parameters of the node, as NAME:=VALUE
-    """
+    """Run the plant with a node for some seconds at a rate [Hz]; measure load and latency."""
     with TemporaryDirectory() as folder:
         summary = Path(folder) / 'plant.json'
         under_test = start_node(NODES[node], [f'sample_rate:={rate:.1f}', *parameters])
@@ -172,11 +166,7 @@ _LOOP_TIMEOUT_S = 100.0  # an interrupted loop waits for its three nodes and the
 
 
 def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
-    """
-    Run `loop` and `loop --watch` in pairs, whose order alternates.
-
-    seconds: duration of each run [s]
-    """
+    """Run `loop` and `loop --watch` for some seconds each in pairs of alternating order."""
     runs: list[dict[str, Any]] = []
     for number in range(rounds):
         for watched in (False, True) if number % 2 == 0 else (True, False):

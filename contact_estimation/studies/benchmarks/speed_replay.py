@@ -63,13 +63,7 @@ _ESTIMATORS = (MULTIPLE_MODEL, 'indirect_adaptive', 'rls')
 def run_replay_benchmark(
     recording: str | None, hours: float, contact: str, rounds: int
 ) -> dict[str, Any]:
-    """
-    Alternate replay and the references on one recording.
-
-    recording: recording with topics wrench and joint_states; None writes one
-    hours: length of the written recording [h]
-    contact: kind of the written recording, see `write_long_recording`
-    """
+    """Alternate replay and the references on one recording; without one, write it."""
     if recording is not None:
         return _measure(Path(recording), Path(recording).name, rounds)
     with TemporaryDirectory() as folder:

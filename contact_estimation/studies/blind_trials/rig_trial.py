@@ -108,11 +108,7 @@ def _search(
 
 
 def integration_rate(rig: Rig, final: bool = True) -> float:
-    """
-    Return the rate of integration steps, a multiple of the sample rate.
-
-    Returns rate: steps per second [Hz]
-    """
+    """Return the rate of integration steps, a multiple of the sample rate [Hz]."""
     rate = rig.sensors.rate
     if rig.stage == 'slow':
         return rate * max(_SLOW_STEPS, round(_SLOW_HZ / rate))
@@ -187,11 +183,7 @@ def _motion_noise(rig: Rig, robot: RobotParameters) -> float:
 
 
 def rig_truth(trial: RigTrial, run: Run, force_floor: float) -> dict[str, Any]:
-    """
-    Collect the ground truth of a trial on a rig.
-
-    force_floor: RMS of the recorded white noise [N]
-    """
+    """Collect the ground truth of a trial on a rig with a white noise of this RMS [N]."""
     rig = trial.rig
     cls = ALL_LAWS.get(trial.law)
     families = list(cls.families) if cls else []
