@@ -54,7 +54,7 @@ def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
 
 
 def residual(in_motion: bool, world: RandomWorld, run: Run) -> Array:
-    """Return the residual (N,) in which an effect shows [N]; NaN where undefined."""
+    """Return the residual in which an effect shows, shape (N,) [N]; NaN where undefined."""
     return _impedance_residual(world, run) if in_motion else _contact_residual(world, run)
 
 
