@@ -19,11 +19,7 @@ class ZeroTracker:
     """
     Kalman filter of zero z and drift d of a force: z' = d, d' white noise.
 
-    Attributes
-    ----------
-    zero, drift : float
-        z [N] and d [N/s].
-
+    zero, drift: z [N] and d [N/s]
     """
 
     def __init__(self) -> None:
