@@ -32,7 +32,7 @@ setup(
         package_name: ['py.typed', '__init__.pyi'],
         package_name + '.diagnosis.compare': ['*.json'],
         package_name + '.diagnosis.report.page': ['*.css', '*.html'],
-        package_name + '.fleet.page': ['*.html'],
+        package_name + '.fleet': ['*.html'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),

@@ -43,20 +43,10 @@ class UnknownNameError(ContactEstimationError, ValueError):
 
         For a dotted name only the names of its innermost known group are listed.
 
-        Parameters
-        ----------
-        kind : str
-            Kind of the name, such as 'estimator'.
-        name : object
-            Name received.
-        known : iterable of str
-            Valid names.
-
-        Returns
-        -------
-        error : UnknownNameError
-            Error to be raised.
-
+        kind: kind of the name, such as 'estimator'
+        name: name received
+        known: valid names
+        Returns error: error to be raised
         """
         names, group, where = sorted(known), '', ''
         choices, wrong = names, str(name)
@@ -78,8 +68,7 @@ def _known_group(name: str, known: Sequence[str]) -> str:
     """Return the longest prefix, including its dot, that known names share with a name."""
     parts = name.split('.')
     groups = ('.'.join(parts[:count]) + '.' for count in range(len(parts) - 1, 0, -1))
-    return next((group for group in groups
-                 if any(each.startswith(group) for each in known)), '')
+    return next((group for group in groups if any(each.startswith(group) for each in known)), '')
 
 
 class SignalShapeError(ContactEstimationError, ValueError):
@@ -110,18 +99,9 @@ class MissingPackageError(ContactEstimationError, ImportError):
         """
         Return the error with the command that installs the package.
 
-        Parameters
-        ----------
-        package : str
-            Name on PyPI.
-        needed_for : str
-            Feature that needs the package.
-
-        Returns
-        -------
-        error : MissingPackageError
-            Error to be raised.
-
+        package: name on PyPI
+        needed_for: feature that needs the package
+        Returns error: error to be raised
         """
         return cls(
             f'{needed_for} needs the Python package {package!r}, which is not installed; '
@@ -133,12 +113,8 @@ class MessageError(ContactEstimationError, ValueError):
     """
     A received message cannot be used.
 
-    Attributes
-    ----------
-    reason : str
-        Short key for counting: 'malformed', 'joint_empty', 'joint_unknown', 'joint_ambiguous'
-        or 'trajectory_empty'.
-
+    reason: short key for counting: 'malformed', 'joint_empty', 'joint_unknown', 'joint_ambiguous'
+    or 'trajectory_empty'
     """
 
     def __init__(self, reason: str, text: str) -> None:

@@ -53,11 +53,7 @@ def figure_style() -> Iterator[None]:
 def new_figure(
     size: tuple[float, float], rows: int = 1, columns: int = 1, **options: Any
 ) -> tuple[Any, Any]:
-    """
-    Create a figure that no window manager keeps alive.
-
-    size: width and height [inch]
-    """
+    """Create a figure that no window manager keeps alive; size: width and height [inch]."""
     figure = require_matplotlib().Figure(figsize=size)
     return figure, figure.subplots(rows, columns, **options)
 

@@ -28,8 +28,7 @@ def printable(text: str) -> str:
     """Return a text as one line that any terminal shows as it is."""
     if not text.isprintable():
         text = text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
-        text = ''.join(c if c.isprintable() else c.encode('unicode_escape').decode()
-                       for c in text)
+        text = ''.join(c if c.isprintable() else c.encode('unicode_escape').decode() for c in text)
     if len(text) > _MOST_PRINTED:
         half = _MOST_PRINTED // 2
         text = f'{text[:half]} ({len(text) - 2 * half} characters left out) {text[-half:]}'

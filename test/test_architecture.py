@@ -19,7 +19,7 @@ LAYERS = [
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
     'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
     'studies.blind_trials',
-    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'studies.benchmarks', 'studies.arms',
+    'fleet', 'watch', 'ros', 'commands', 'studies.benchmarks', 'studies.arms',
     'studies',
 ]
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from blind_worlds import answer, truth
-from contact_estimation.studies.blind_trials.report import metrics
-from contact_estimation.studies.blind_trials.scoring import Score, score
+from contact_estimation.studies.blind_trials.exact_scoring import metrics, Score, score
 import pytest
 
 

@@ -116,6 +116,13 @@ def other_reference(s: Signals) -> Signals:
     return s._replace(reference=rows)
 
 
+def goal_as_reference(s: Signals) -> Signals:
+    """Take the goal of the first motion for the reference, as a planner publishes it."""
+    rows = np.zeros_like(s.reference)
+    rows[0] = s.reference[0].max()
+    return s._replace(reference=rows)
+
+
 def paused(s: Signals) -> Signals:
     """Leave out two seconds of all topics."""
     kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.0)
@@ -164,6 +171,7 @@ WRONG: Mapping[str, tuple[str, Change]] = {
     'stamps in milliseconds': ('sampling_rate', slow_clock(1e3)),
     'stamps of a fast clock': ('sampling_rate', slow_clock(1e-3)),
     'reference measured': ('command_topic', measured_reference),
+    'reference that is only the goal': ('command_topic', goal_as_reference),
     'reference of another axis': ('command_topic', other_reference),
     'reference stamped late': ('reference_clock', late_reference(0.05)),
 }

@@ -13,7 +13,7 @@ from contact_estimation.exceptions import ParameterRangeError, RecordingError
 from contact_estimation.fleet.discovery import find_recordings, skipped_files
 from contact_estimation.fleet.findings import changes, differences, trends
 from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.pooling import pools
+from contact_estimation.fleet.run import pools
 from contact_estimation.fleet.table import in_time
 from contact_estimation.plant.plant_parameters import PlantParameters
 from fleet_entries import archive, group_of, report

@@ -14,9 +14,8 @@ from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.findings import changes
 from contact_estimation.fleet.fingerprint import Settings
 from contact_estimation.fleet.one_recording import Result
-from contact_estimation.fleet.page.builder import as_html, SECTIONS
-from contact_estimation.fleet.pooling import Pool, PooledResult
-from contact_estimation.fleet.run import Fleet, run_fleet
+from contact_estimation.fleet.page import as_html, SECTIONS
+from contact_estimation.fleet.run import Fleet, Pool, PooledResult, run_fleet
 from contact_estimation.fleet.table import as_parquet, COLUMNS, rows_of
 from contact_estimation.scheduling import Answer, Call
 from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording

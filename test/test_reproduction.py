@@ -11,9 +11,9 @@ from typing import Any, Callable
 
 from contact_estimation.commands.reproduce import main
 from contact_estimation.studies.reproduction import table as table_module
-from contact_estimation.studies.reproduction.case import BEST, Case, Errors, OnlineCase, PAPER
-from contact_estimation.studies.reproduction.simulation_cases import SIMULATION_CASES
-from contact_estimation.studies.reproduction.table import ALL_CASES, row_of
+from contact_estimation.studies.reproduction.cases import (
+    ALL_CASES, BEST, Case, Errors, PAPER, STEP)
+from contact_estimation.studies.reproduction.table import row_of
 import pytest
 
 KEYS = {
@@ -25,7 +25,7 @@ KEYS = {
 
 def case(name: str, estimator: str) -> Case:
     """Find a case."""
-    return next(c for c in SIMULATION_CASES if (c.case, c.estimator) == (name, estimator))
+    return next(c for c in ALL_CASES if (c.case, c.estimator) == (name, estimator))
 
 
 def test_every_error_printed_in_the_paper_has_a_row() -> None:
@@ -34,7 +34,7 @@ def test_every_error_printed_in_the_paper_has_a_row() -> None:
 
 def test_row_has_the_documented_keys_and_the_median_of_absolute_errors() -> None:
     errors = [Errors(-1.0, 2.0, 0.1, 0.2), Errors(3.0, -4.0, 0.1, 0.2), Errors(2.0, 1.0, 0.1, 0.2)]
-    row = row_of(SIMULATION_CASES[0], errors)
+    row = row_of(ALL_CASES[0], errors)
     assert KEYS <= set(row)
     assert (row['stiffness_error_percent'], row['damping_error_percent']) == (2.0, 2.0)
 
@@ -48,13 +48,14 @@ def test_best_estimator_is_within_four_bounds(name: str) -> None:
 
 
 def once_for_each_law(simulate: Callable[..., Any]) -> Callable[..., Any]:
-    """Keep the first run of each law."""
-    runs: dict[str, Any] = {}
+    """Keep the first run of each law in each world."""
+    runs: dict[tuple[bool, str], Any] = {}
 
-    def kept(case: OnlineCase, seed: int) -> Any:
-        if case.law not in runs:
-            runs[case.law] = simulate(case, seed)
-        return runs[case.law]
+    def kept(case: Case, seed: int) -> Any:
+        key = case.on_testbed, case.law
+        if key not in runs:
+            runs[key] = simulate(case, seed)
+        return runs[key]
 
     return kept
 
@@ -64,10 +65,9 @@ def test_command_writes_table_and_figures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The tests above, and those of the testbed, run the cases; here one run stands for a law.
-    cases = [c for c in ALL_CASES if c.case == 'simulation_prbs' or not isinstance(c, OnlineCase)]
+    cases = [c for c in ALL_CASES if c.case == 'simulation_prbs' or c.law == STEP]
     monkeypatch.setattr(table_module, 'ALL_CASES', cases)
-    for kind in {type(c) for c in ALL_CASES if isinstance(c, OnlineCase)}:
-        monkeypatch.setattr(kind, 'simulate', once_for_each_law(kind.simulate))
+    monkeypatch.setattr(Case, 'simulate', once_for_each_law(Case.simulate))
     table, figures = tmp_path / 'table.json', tmp_path / 'figures'
     assert main(['--seeds', '1', '--json', str(table), '--output', str(figures)]) == 0
     assert len(json.loads(table.read_text())['cases']) == len(cases) == 9

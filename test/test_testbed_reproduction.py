@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-from contact_estimation.studies.reproduction.case import BEST, Case, PAPER
-from contact_estimation.studies.reproduction.testbed_cases import TESTBED_CASES
+from contact_estimation.studies.reproduction.cases import ALL_CASES, BEST, Case, PAPER
 import pytest
 
 
 def case(name: str, estimator: str) -> Case:
     """Find a case."""
-    return next(c for c in TESTBED_CASES if (c.case, c.estimator) == (name, estimator))
+    return next(c for c in ALL_CASES if (c.case, c.estimator) == (name, estimator))
 
 
 def within_a_factor_of_two(error: float, paper: float) -> bool:

@@ -11,6 +11,7 @@ from contact_estimation.estimators.multiple_model import (
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from wall_worlds import Array, contact, fed, Law, Samples, spring_damper, step
 
 K, B = 5000.0, 100.0
@@ -146,7 +147,66 @@ def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     assert sum(posterior.known.laws) == pytest.approx(1.0)
 
 
+def held(law: Callable[[Array, Array], Array], depth: float, seed: int) -> Samples:
+    """Return a steady ramp of 1 s and a hold of 5 s at 125 Hz, with 5 um of noise in x."""
+    draw, t = np.random.default_rng(seed), np.arange(0.0, 7.0, 0.008)
+    d = np.minimum(t - 1.0, 1.0) * depth
+    force = np.where(d > 0.0, law(t, np.maximum(d, 0.0)), 0.0)
+    return Samples(t, force + 0.05 * draw.standard_normal(len(t)),
+                   0.1 + d + 5e-6 * draw.standard_normal(len(t)), d)
+
+
+def relaxing(t: Array, d: Array) -> Array:
+    """Return a spring of 8000 N/m beside one of 12000 N/m in series with a damper, of 1 s."""
+    decay = np.exp(-0.008)
+    return np.asarray(8e3 * d + 12e3 * lfilter([1.0], [1.0, -decay], np.diff(d, prepend=0.0)))
+
+
+def yielding(t: Array, d: Array) -> Array:
+    """Return a spring of 20000 N/m that yields at 5 N, from where it is as soft as 5000 N/m."""
+    return np.asarray(np.where(d < 2.5e-4, 2e4 * d, 5.0 + 5e3 * (d - 2.5e-4)))
+
+
+# Which slopes the law has anywhere [N/m].
+UNLISTED: dict[str, tuple[Callable[[Array, Array], Array], float, float]] = {
+    'softening': (lambda t, d: 20.0 * -np.expm1(-d / 1e-3), 2.7e3, 2e4),
+    'stiffening': (lambda t, d: 4.0 * np.expm1(d / 1e-3), 4e3, 3e4),
+    'relaxing': (relaxing, 8e3, 2e4),
+    'yielding': (yielding, 5e3, 2e4),
+}
+
+
+@pytest.mark.parametrize('told', [0.1, nan])
+@pytest.mark.parametrize('name', UNLISTED)
+def test_no_slope_is_claimed_that_a_wall_of_another_law_never_has(name: str, told: float) -> None:
+    law, least, most = UNLISTED[name]
+    for seed in range(2):
+        posterior, false, claims = WallPosterior(told, 2e-3), 0, 0
+        for t, force, x, _ in zip(*(one.tolist() for one in held(law, 2e-3, seed))):
+            if posterior.take(t, force, x) == CONTACT and posterior.known.valid:
+                K_hat, _, std = posterior.known[:3]
+                claims += 1
+                false += not least - 3.0 * std <= K_hat <= most + 3.0 * std
+        assert false <= 0.02 * claims
+
+
 # -- surface, lag, rates, taps ------------------------------------------------------------------
+
+@pytest.mark.parametrize('first_s', [0.7e-3, 0.62e-3])
+def test_a_period_that_the_first_samples_mistake_is_refined(first_s: float) -> None:
+    samples = contact(spring_damper(K, B), 3.0, rate=1500.0)
+    stamps = samples.t.copy()
+    stamps[:30] = stamps[30] - first_s * np.arange(30, 0, -1)
+    known = fed(samples._replace(t=stamps)).known
+    assert within(known.stiffness, K, known.stiffness_std)
+
+
+def test_one_sample_a_second_is_enough() -> None:
+    t = np.arange(0.0, 400.0)
+    d = 1e-3 * np.sin(0.02 * t - 0.4)
+    force = np.where(d > 0.0, K * d, 0.0) + 0.01 * np.random.default_rng(2).standard_normal(400)
+    known = fed(Samples(t, force, d, d), WallPosterior(0.0, 2e-3, NO_LAG)).known
+    assert within(known.stiffness, K, known.stiffness_std)
 
 
 # -- what must not enter ------------------------------------------------------------------------

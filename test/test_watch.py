@@ -13,9 +13,9 @@ from contact_estimation.commands import loop, simulate, watch
 from contact_estimation.messages import encode_string
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
-from contact_estimation.recordings.growing import GrowingRecording
+from contact_estimation.recordings.mcap_file import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
-from contact_estimation.watch import show as watch_show
+from contact_estimation.watch import view as watch_view
 from contact_estimation.watch.layouts import PLOTS
 from contact_estimation.watch.readings import ContactLog, STATUS
 import pytest
@@ -54,7 +54,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def replayed(path: Path) -> ContactLog:
     reader, view = RecordingReader(path), KeptView()
     replay = RecordingReplay(reader, RecordingSource(), {})
-    watch_show.show_recording(view, reader, RecordingSource(), replay)  # type: ignore[arg-type]
+    watch_view.show_recording(view, reader, RecordingSource(), replay)  # type: ignore[arg-type]
     return view.log
 
 

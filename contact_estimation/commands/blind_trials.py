@@ -6,18 +6,18 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-import json
 from pathlib import Path
 from typing import Any, Iterator
 
-from .command_line import command, new_file, Parser
+from .command_line import (
+    as_json, check_outputs, command, Parser, require_at_least, write_results)
 from .progress import Progress
 from ..exceptions import ParameterRangeError
 from ..scheduling import ThisProcess, Workers, workers
 from ..studies.blind_trials.arm_trials import arm_text, run_arm_trials
 from ..studies.blind_trials.calibration import calibrate
+from ..studies.blind_trials.exact_scoring import as_dict, as_text, plot_confusion
 from ..studies.blind_trials.family_scoring import family_dict, family_text, plot_reliability
-from ..studies.blind_trials.report import as_dict, as_text, plot_confusion
 from ..studies.blind_trials.study import judged_trials, plan_study, run_study, Scores
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
@@ -68,30 +68,33 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run, score and print a study."""
-    for name, least in (*((kind, 0) for kind in (*_KINDS, 'seed')), ('jobs', 1)):
-        value = getattr(options, name)
-        if value is not None and value < least:
-            raise ParameterRangeError(f'--{name} must be >= {least}, got {value}')
+    require_at_least(options, **dict.fromkeys((*_KINDS, 'seed'), 0), jobs=1)
     if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
             '--count, --clean, --unknown, --foreign and --arms are all 0; request at least one '
             'trial')
-    target, constants = (new_file(path) if path else None
-                         for path in (options.json, options.calibrate))
+    check_outputs([options.json, options.calibrate], {})
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
     if options.arms:
-        outcomes = run_arm_trials(
-            folder, options.arms, options.seed, progress.show, options.only_write,
-            options.pressing)
-        if outcomes:
-            print(arm_text(outcomes))
-            (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
-            (folder / 'arms.json').write_text(json.dumps(outcomes, indent=1) + '\n')
-        if not any(getattr(options, kind) for kind in _KINDS[:-1]):
-            progress.done()
-            return 0
+        _run_arms(folder, options, progress)
+    if any(getattr(options, kind) for kind in _KINDS[:-1]):
+        _run_contacts(folder, options, progress)
+    progress.done()
+    return 0
+
+
+def _run_arms(folder: Path, options: Any, progress: Progress) -> None:
+    outcomes = run_arm_trials(folder, options.arms, options.seed, progress.show,
+                              options.only_write, options.pressing)
+    if outcomes:
+        print(arm_text(outcomes))
+        (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
+        (folder / 'arms.json').write_text(as_json(outcomes))
+
+
+def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
     trials = plan_study(options.count, options.clean, options.seed, options.unknown,
                         options.foreign)
     with _workers(options) as started:
@@ -100,22 +103,20 @@ def run(options: Any) -> int:
     if options.only_write:
         print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
               f'{folder / "sealed"}')
-        return 0
+        return
     text = '\n\n'.join(_texts(scores, str(folder / 'handed_over')))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')
-    if target is not None:
-        content = {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)}
-        target.write_text(json.dumps(content, indent=1) + '\n')
-    if constants is not None:
+    write_results(options, {'json': lambda: as_json(
+        {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)})})
+    if options.calibrate:
         fitted = calibrate(judged_trials(folder, trials))
         print(fitted.text())
-        fitted.write(constants)
+        fitted.write(Path(options.calibrate))
     if scores.exact:
         print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
     if scores.on_rigs:
         print(f'wrote {plot_reliability(scores.on_rigs, folder / "reliability.png")}')
-    return 0
 
 
 @contextmanager

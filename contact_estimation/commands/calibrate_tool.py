@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any, Callable
 from xml.etree import ElementTree
@@ -13,15 +12,10 @@ from xml.etree import ElementTree
 from scipy.spatial.transform import Rotation
 import yaml
 
-from .command_line import command, different_files, new_file, Parser, source_of
-from .reading_options import add_reading_options
+from .command_line import (
+    add_reading_options, as_json, check_outputs, command, Parser, source_of, write_results)
 from ..exceptions import (
-    EstimationError,
-    ModelFileError,
-    ParameterRangeError,
-    RecordingError,
-    UnknownNameError,
-)
+    EstimationError, ModelFileError, ParameterRangeError, RecordingError, UnknownNameError)
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
 from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
@@ -57,8 +51,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Calibrate, write the parameter file and print the tool."""
-    files = [new_file(path) for path in (options.output, options.json) if path]
-    different_files((options.output, options.json), {
+    check_outputs((options.output, options.json), {
         'the recording': [options.recording], 'the parameter file': [options.params],
         'the robot description': [options.robot_description]})
     given = read_parameter_file(options.params, 'estimator_node') if options.params else {}
@@ -81,9 +74,8 @@ def run(options: Any) -> int:
             reader, source, model, sign, _mount(given), base if axes == 'base' else ''), sign)
 
     found = _in_right_axes(calibrated, str(given.get('force_sensor.axes', AXES[0])))
-    files[0].write_text(_parameter_file(found, frame))
-    if options.json:
-        files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
+    write_results(options, {'output': lambda: _parameter_file(found, frame),
+                            'json': lambda: as_json(_as_json(found))})
     _print(found, frame, options.output)
     return 0
 

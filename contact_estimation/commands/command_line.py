@@ -6,17 +6,25 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 from pathlib import Path
 import sys
 from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
-from .reading_options import add_reading_options, reading_of
-from ..exceptions import ContactEstimationError, RecordingError
+from ..estimators import ONLINE_ESTIMATORS
+from ..exceptions import (
+    ContactEstimationError, ParameterRangeError, RecordingError, UnknownNameError)
 from ..kinematics.parameters import TRACKED
 from ..parameters.file import read_parameter_file
+from ..parameters.values import without
+from ..recordings import RecordingReader
+from ..recordings.adaptation import STAMPS
+from ..recordings.columns import KEYS
+from ..recordings.free_flight import FIRST
 from ..recordings.identity import is_bag_folder, is_recording
-from ..recordings.source import RecordingSource
+from ..recordings.source import RecordingSource, TOPICS
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..texts import printable
 
 
@@ -28,9 +36,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(1, f'{self.prog}: {printable(message)}; see {self.prog} --help\n')
 
 
-def command(
-    make_parser: Callable[[], Parser], run: Callable[[Any], int]
-) -> Callable[..., int]:
+def command(make_parser: Callable[[], Parser], run: Callable[[Any], int]) -> Callable[..., int]:
     """Return the `main` function of a command."""
     def main(args: Sequence[str] | None = None) -> int:
         parser = make_parser()
@@ -49,6 +55,70 @@ def command(
         return 1
 
     return main
+
+
+def require_at_least(options: Any, **least: float) -> None:
+    """Refuse options below their least values; one that is not given is not checked."""
+    for name, bound in least.items():
+        value = getattr(options, name)
+        if value is not None and value < bound:
+            raise ParameterRangeError(
+                f'--{name.replace("_", "-")} must be >= {bound:g}, got {value:g}')
+
+
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how a recording is read."""
+    parser.add_argument(
+        '--topic', action='append', default=[], metavar='NAME:=TOPIC',
+        help='read NAME (' + ', '.join(TOPICS) + ') from TOPIC; may be repeated',
+    )
+    parser.add_argument(
+        '--columns', nargs='+', action='extend', default=[], metavar='SIGNAL=COLUMN',
+        help='of a CSV, Parquet or MAT file: column of a signal (' + ', '.join(KEYS) + '; x '
+        'likewise y, z), -COLUMN with the opposite sign; t=500Hz is a rate; default: by name',
+    )
+    parser.add_argument(
+        '--units', default='', metavar='UNIT,...',
+        help='of its columns, such as mm,N,ms (default: as in their names, else SI)',
+    )
+    parser.add_argument(
+        '--stamps', choices=STAMPS, default='header',
+        help='time of a message: its header, or its reception by the recorder, where headers have '
+        'none or that of another clock (header)',
+    )
+    parser.add_argument(
+        '--wrench-field', default='', metavar='FIELD',
+        help='force and torque in messages that are no WrenchStamped, such as data[0:6]',
+    )
+
+
+def add_tare_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that chooses the zero of the force."""
+    parser.add_argument(
+        '--tare', default='', metavar=f'{FIRST}|A:B|{TRACKED}',
+        help='zero of the force: its median in the first free flight, or from A to B s after the '
+        'first wrench, or tracked in each free flight (default: as recorded)',
+    )
+
+
+def print_columns(reader: RecordingReader) -> None:
+    """Print which columns of a table are read; nothing for other recordings."""
+    if reader.columns:
+        print('columns: ' + printable(' '.join(f'{k}={v}' for k, v in reader.columns.items())))
+
+
+def reading_of(options: Any) -> dict[str, Any]:
+    """Return how a recording is read, as chosen with the options of `add_reading_options`."""
+    columns = {}
+    for text in options.columns:
+        signal, found, column = text.partition('=')
+        if not found or not column:
+            raise RecordingError(
+                f'--columns must be SIGNAL=COLUMN, got {text!r}; example: wrench.force.z=Fz')
+        columns[signal] = column
+    return {'columns': columns, 'units': tuple(filter(None, options.units.split(','))),
+            'stamps': options.stamps, 'wrench_field': options.wrench_field,
+            'tare': tare if (tare := getattr(options, 'tare', '')) != TRACKED else ''}
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
@@ -92,6 +162,19 @@ def chosen_parameters(options: Any) -> dict[str, Any]:
         chosen.update(read_parameter_file(path, 'estimator_node'))
     if getattr(options, 'tare', '') == TRACKED:
         chosen['force_sensor.zero'] = TRACKED
+    return chosen
+
+
+def replayed_parameters(options: Any) -> dict[str, Any]:
+    """Return the parameters chosen with --params, --estimator, --axis and --joint."""
+    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
+    if options.estimator:
+        if options.estimator not in ONLINE_ESTIMATORS:
+            raise UnknownNameError.among('estimator', options.estimator, ONLINE_ESTIMATORS)
+        chosen['estimator'] = options.estimator
+    for name in ('axis', 'joint'):
+        if getattr(options, name) is not None:
+            chosen[name] = getattr(options, name)
     return chosen
 
 
@@ -150,3 +233,23 @@ def _same_file(first: str, second: str) -> bool:
     if os.path.exists(first) and os.path.exists(second):
         return os.path.samefile(first, second)
     return os.path.realpath(first) == os.path.realpath(second)
+
+
+def check_outputs(paths: Iterable[str | None], inputs: Mapping[str, Iterable[str | None]]) -> None:
+    """Check, before the work, that all results can be written; see `different_files`."""
+    given = [path for path in paths if path]
+    for path in given:
+        new_file(path)
+    different_files(given, inputs)
+
+
+def as_json(content: Any, allow_nan: bool = True) -> str:
+    """Return a result as JSON."""
+    return json.dumps(content, indent=1, allow_nan=allow_nan) + '\n'
+
+
+def write_results(options: Any, results: Mapping[str, Callable[[], str]]) -> None:
+    """Write the texts that the options of these names ask for."""
+    for name, make in results.items():
+        if path := getattr(options, name):
+            new_file(path).write_text(make(), encoding='utf-8')

@@ -9,8 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .command_line import command, different_files, new_file, Parser, source_of
-from .reading_options import add_reading_options, print_columns
+from .command_line import (
+    add_reading_options, check_outputs, command, Parser, print_columns, source_of)
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv
@@ -42,8 +42,7 @@ def run(options: Any) -> int:
     if output.exists():
         raise RecordingError(
             f'{output} exists and recordings are never overwritten; choose another output')
-    new_file(options.output)
-    different_files([options.output], {'the recording': [options.recording]})
+    check_outputs([options.output], {'the recording': [options.recording]})
     source = source_of(options)
     reader = RecordingReader(options.recording, source)
     print_columns(reader)

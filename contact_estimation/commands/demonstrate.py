@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from .command_line import command, new_folder, Parser
-from ..exceptions import ContactEstimationError, ParameterRangeError
+from .command_line import command, new_folder, Parser, require_at_least
+from ..exceptions import ContactEstimationError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import build, flatten, without
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
@@ -62,8 +62,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run the demonstration and print estimates before and after."""
-    if options.seed < 0:
-        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
+    require_at_least(options, seed=0)
     concealed = _concealed(options)
     output = new_folder(options.output)
     before = _loop(output, 'before', concealed, {}, options.seed)

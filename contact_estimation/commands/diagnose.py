@@ -7,22 +7,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-import json
 from pathlib import Path
 from typing import Any, Sequence
 
 from .command_line import (
-    add_params_option, add_source_options, chosen_parameters, command, different_files, new_file,
-    Parser, topics_of)
-from .diagnose_arm import run as run_arm
+    add_params_option, add_source_options, add_tare_option, as_json, check_outputs,
+    chosen_parameters, command, new_file, Parser, reading_of, topics_of, write_results)
+from .diagnose_arm import comparison_text, names_of, run as run_arm
 from .progress import Progress
-from .reading_options import add_tare_option, reading_of
-from ..diagnosis.compare.beam import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose, diagnose_simulation, simulation_text
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.fit.free_run import plant_of
-from ..diagnosis.observe.signals import read_recording
+from ..diagnosis.observe.signals import read_recording, Recording
 from ..diagnosis.report.json_report import as_dict, model_file
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
@@ -86,52 +83,21 @@ def run(options: Any) -> int:
     """Diagnose, write the requested files and print the report."""
     if options.nominal_robot:
         return run_arm(options)
-    for name in ('write_urdf', 'write_trajectory'):
-        if getattr(options, name):
-            raise ParameterRangeError(
-                f'--{name.replace("_", "-")} needs --nominal-robot ARM.urdf; give it in place of '
-                '--nominal')
-    if not options.nominal and not options.simulation:
-        raise ParameterRangeError(
-            'one of --nominal MODEL.yaml (a contact), --simulation SIM (its recording) and '
-            '--nominal-robot ARM.urdf (a whole arm) must be given, got none; see diagnose --help')
-    outputs = (options.json, options.html, options.write_model, options.write_comparison,
-               _experiment_file(options), *(file for _, file in options.export))
-    for engine, _ in options.export:
-        if engine not in ENGINES:
-            raise UnknownNameError.among('engine of --export', engine, ENGINES)
-    for path in outputs:
-        if path:
-            new_file(path)
-    different_files(outputs, {
-        'the nominal model file': [options.nominal], 'a parameter file': options.params,
-        'a recording': [*options.recordings, *options.holdout, options.simulation]})
+    _check(options)
     if options.html:
         require_matplotlib()
     nominal = read_model(options.nominal) if options.nominal else None
     refuse_same_data(options.recordings, options.holdout, options.simulation)
     progress = Progress('diagnose')
-    stages: list[str] = []
-
-    def report_stage(text: str) -> None:
-        stages.append(text)
-        progress.show(min(0.95, len(stages) / 80.0), text)
-
-    topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
-    chosen, reading = chosen_parameters(options), reading_of(options)
+    stage = progress.stage(80)
     recordings, held_out, simulations = (
-        [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen,
-                        **reading)
-         for path in paths]
-        for paths in (options.recordings, options.holdout, filter(None, [options.simulation]))
-    )
+        [_read(path, options) for path in paths]
+        for paths in (options.recordings, options.holdout, filter(None, [options.simulation])))
     simulated = None
     for one in simulations:
-        nominal, simulated = diagnose_simulation(
-            one, nominal, seed=options.seed, progress=report_stage)
+        nominal, simulated = diagnose_simulation(one, nominal, seed=options.seed, progress=stage)
     assert nominal is not None
-    diagnosis = diagnose(
-        recordings, nominal, held_out=held_out, seed=options.seed, progress=report_stage)
+    diagnosis = diagnose(recordings, nominal, held_out=held_out, seed=options.seed, progress=stage)
     progress.done()
     proposal = choose(diagnosis)
     if proposal is not None:
@@ -144,6 +110,33 @@ def run(options: Any) -> int:
         print(f'Simulation {options.simulation}: {simulation_text(simulated, nominal)}\n')
     print(as_text(diagnosis))
     return 0
+
+
+def _check(options: Any) -> None:
+    """Refuse options that do not fit together, and results that cannot be written."""
+    for name in ('write_urdf', 'write_trajectory'):
+        if getattr(options, name):
+            raise ParameterRangeError(
+                f'--{name.replace("_", "-")} needs --nominal-robot ARM.urdf; give it in place of '
+                '--nominal')
+    if not options.nominal and not options.simulation:
+        raise ParameterRangeError(
+            'one of --nominal MODEL.yaml (a contact), --simulation SIM (its recording) and '
+            '--nominal-robot ARM.urdf (a whole arm) must be given, got none; see diagnose --help')
+    for engine, _ in options.export:
+        if engine not in ENGINES:
+            raise UnknownNameError.among('engine of --export', engine, ENGINES)
+    check_outputs(
+        (options.json, options.html, options.write_model, options.write_comparison,
+         _experiment_file(options), *(file for _, file in options.export)),
+        {'the nominal model file': [options.nominal], 'a parameter file': options.params,
+         'a recording': [*options.recordings, *options.holdout, options.simulation]})
+
+
+def _read(path: str, options: Any) -> Recording:
+    return read_recording(
+        path, topics=topics_of(options), axis=options.axis or 'x', joint=options.joint or '',
+        parameters=chosen_parameters(options), **reading_of(options))
 
 
 def refuse_same_data(
@@ -174,26 +167,17 @@ def refuse_same_data(
 def _write(
     diagnosis: Diagnosis, proposal: Proposal | None, options: Any, simulated: Diagnosis | None
 ) -> None:
-    experiment = None
-    if proposal is not None:
-        experiment = _experiment_file(options)
-        if experiment is not None:
-            new_file(experiment).write_text(experiment_text(proposal.experiment))
-    if options.json:
-        report = as_dict(diagnosis, experiment)
-        if simulated is not None:
-            report['simulation'] = as_dict(simulated)
-        text = json.dumps(report, indent=1, allow_nan=False)
-        new_file(options.json).write_text(text + '\n')
-    if options.html:
-        title = ', '.join(Path(path).name for path in options.recordings)
-        new_file(options.html).write_text(
-            as_html(diagnosis, title, experiment), encoding='utf-8')
-    if options.write_comparison:
-        compared = None if diagnosis.compared is None else comparison(diagnosis.compared)
-        new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
-    if options.write_model:
-        new_file(options.write_model).write_text(model_file(diagnosis))
+    experiment = None if proposal is None else _experiment_file(options)
+    if proposal is not None and experiment is not None:
+        new_file(experiment).write_text(experiment_text(proposal.experiment))
+    report = as_dict(diagnosis, experiment)
+    if simulated is not None:
+        report['simulation'] = as_dict(simulated)
+    write_results(options, {
+        'json': lambda: as_json(report, allow_nan=False),
+        'html': lambda: as_html(diagnosis, names_of(options.recordings), experiment),
+        'write_comparison': lambda: comparison_text(diagnosis.compared),
+        'write_model': lambda: model_file(diagnosis)})
     for engine, file in options.export:
         new_file(file).write_text(ENGINES[engine](plant_of(diagnosis.corrected)))
 

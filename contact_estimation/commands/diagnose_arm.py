@@ -8,9 +8,10 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Sequence
 
-from .command_line import chosen_parameters, different_files, new_file, topics_of
+from .command_line import (
+    as_json, check_outputs, chosen_parameters, new_file, topics_of, write_results)
 from .progress import Progress
 from ..diagnosis.arm.arm_recording import ArmRecording, read_arm_recording
 from ..diagnosis.arm.conclude import diagnose_arm
@@ -19,7 +20,7 @@ from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
 from ..diagnosis.arm.text import as_dict, as_text, headline
-from ..diagnosis.compare.beam import as_dict as comparison
+from ..diagnosis.compare.beam import as_dict as comparison, Compared
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.report.json_report import model_file
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
@@ -33,6 +34,33 @@ _OF_ONE_AXIS = ('axis', 'joint')
 
 def run(options: Any) -> int:
     """Diagnose an arm, write the requested files and print the report."""
+    _check(options)
+    if options.html:
+        require_matplotlib()
+    urdf = read_description(options.nominal_robot)
+    progress = Progress('diagnose')
+    stage = progress.stage(20)
+    topics, chosen = topics_of(options), chosen_parameters(options)
+    fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
+                      for paths in (options.recordings, options.holdout))
+    contact = _contact(options, fitted, stage)
+    simulated = None
+    if options.simulation:
+        simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
+                                 seed=options.seed, progress=stage)
+    diagnosis = replace(diagnose_arm(
+        fitted, urdf, held_out=tested, seed=options.seed, simulated=simulated,
+        progress=stage), contact=contact)
+    progress.done()
+    _write(diagnosis, urdf, options)
+    if simulated is not None:
+        print(f'Simulation {options.simulation}: {headline(simulated)}.\n')
+    print(as_text(diagnosis))
+    return 0
+
+
+def _check(options: Any) -> None:
+    """Refuse options that do not fit together, and results that cannot be written."""
     for name in _OF_ONE_AXIS:
         if getattr(options, name):
             raise ParameterRangeError(
@@ -42,41 +70,13 @@ def run(options: Any) -> int:
         raise ParameterRangeError(
             '--write-model needs --nominal MODEL.yaml, the contact that is corrected; '
             '--write-urdf writes the corrected arm')
-    outputs = [options.json, options.html, options.write_urdf, options.write_trajectory,
-               _beside(options.write_urdf, '.mjcf'), _beside(options.write_trajectory, '.yaml'),
-               options.write_comparison, options.write_model]
-    for path in filter(None, outputs):
-        new_file(path)
-    if options.html:
-        require_matplotlib()
-    recordings = [*options.recordings, *options.holdout, options.simulation]
-    different_files(outputs, {
-        'the robot description': [options.nominal_robot], 'a recording': recordings,
-        'the nominal model file': [options.nominal], 'a parameter file': options.params})
-    urdf = read_description(options.nominal_robot)
-    progress, stages = Progress('diagnose'), list[str]()
-
-    def report_stage(text: str) -> None:
-        stages.append(text)
-        progress.show(min(0.95, len(stages) / 20.0), text)
-
-    topics, chosen = topics_of(options), chosen_parameters(options)
-    fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
-                      for paths in (options.recordings, options.holdout))
-    contact = _contact(options, fitted, report_stage)
-    simulated = None
-    if options.simulation:
-        simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
-                                 seed=options.seed, progress=report_stage)
-    diagnosis = replace(diagnose_arm(
-        fitted, urdf, held_out=tested, seed=options.seed, simulated=simulated,
-        progress=report_stage), contact=contact)
-    progress.done()
-    _write(diagnosis, urdf, options)
-    if simulated is not None:
-        print(f'Simulation {options.simulation}: {headline(simulated)}.\n')
-    print(as_text(diagnosis))
-    return 0
+    check_outputs(
+        [options.json, options.html, options.write_urdf, options.write_trajectory,
+         _beside(options.write_urdf, '.mjcf'), _beside(options.write_trajectory, '.yaml'),
+         options.write_comparison, options.write_model],
+        {'the robot description': [options.nominal_robot],
+         'a recording': [*options.recordings, *options.holdout, options.simulation],
+         'the nominal model file': [options.nominal], 'a parameter file': options.params})
 
 
 def _contact(
@@ -102,26 +102,34 @@ def _beside(path: str | None, suffix: str) -> str | None:
 
 
 def _write(diagnosis: ArmDiagnosis, urdf: str, options: Any) -> None:
-    if options.json:
-        text = json.dumps(as_dict(diagnosis), indent=1, allow_nan=False)
-        new_file(options.json).write_text(text + '\n')
-    if options.html:
-        title = ', '.join(Path(path).name for path in options.recordings)
-        new_file(options.html).write_text(as_html(diagnosis, title), encoding='utf-8')
+    results: dict[str, Callable[[], str]] = {
+        'json': lambda: as_json(as_dict(diagnosis), allow_nan=False),
+        'html': lambda: as_html(diagnosis, names_of(options.recordings)),
+        'write_comparison': lambda: comparison_text(diagnosis.compared)}
+    if diagnosis.contact is not None:
+        contact = diagnosis.contact
+        results['write_model'] = lambda: model_file(contact)
+    if not diagnosis.refused:
+        results['write_urdf'] = lambda: corrected_urdf(diagnosis, urdf)
+    write_results(options, results)
     if options.write_urdf and not diagnosis.refused:
-        new_file(options.write_urdf).write_text(corrected_urdf(diagnosis, urdf))
         new_file(_beside(options.write_urdf, '.mjcf') or '').write_text(mjcf_snippet(diagnosis))
-    if options.write_comparison:
-        compared = None if diagnosis.compared is None else comparison(diagnosis.compared)
-        new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
-    if options.write_model and diagnosis.contact is not None:
-        new_file(options.write_model).write_text(model_file(diagnosis.contact))
     if options.write_trajectory:
         arm = ArmDynamics(urdf, [one.name for one in diagnosis.joints] or None)
         motion = exciting_trajectory(arm, options.seed)
         new_file(options.write_trajectory).write_text(motion.as_csv(arm))
         new_file(_beside(options.write_trajectory, '.yaml') or '').write_text(
             motion.as_message(arm))
+
+
+def comparison_text(compared: Compared | None) -> str:
+    """Return the models that were compared, as JSON."""
+    return json.dumps(None if compared is None else comparison(compared)) + '\n'
+
+
+def names_of(recordings: Sequence[str]) -> str:
+    """Return the title of a report."""
+    return ', '.join(Path(path).name for path in recordings)
 
 
 def read_description(path: str) -> str:

@@ -9,31 +9,21 @@ from pathlib import Path
 from typing import Any
 
 from .command_line import (
-    add_params_option,
-    add_source_options,
-    chosen_parameters,
-    command,
-    different_files,
-    Parser,
-    topics_of,
-)
+    add_params_option, add_source_options, add_tare_option, chosen_parameters, command,
+    different_files, Parser, reading_of, require_at_least, topics_of)
 from .progress import Progress
-from .reading_options import add_tare_option, reading_of
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, skipped_files
 from ..fleet.fingerprint import Settings
-from ..fleet.finished import write_whole
-from ..fleet.page.builder import as_html
-from ..fleet.run import Fleet, run_fleet
+from ..fleet.page import as_html
+from ..fleet.run import Fleet, run_fleet, write_whole
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters.values import without
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
-
-_LEAST = {'jobs': 1, 'seed': 0, 'pooled': 0, 'most_samples': 1000}
 
 
 def make_parser() -> Parser:
@@ -81,11 +71,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Work through the archive, write table and page and print a summary."""
-    for name, least in _LEAST.items():
-        value = getattr(options, name)
-        if value is not None and value < least:
-            option = name.replace('_', '-')
-            raise ParameterRangeError(f'--{option} must be >= {least}, got {value}')
+    require_at_least(options, jobs=1, seed=0, pooled=0, most_samples=1000)
     for require in (require_matplotlib, require_distributed, require_pyarrow):
         require()  # before the first recording, not after the last
     settings = _settings(options)

@@ -25,8 +25,7 @@ from ..reference.experiments import EXPERIMENTS
 from ..ros.loop_processes import (
     configure, LoopConfiguration, LoopProcesses, require_rclpy, write_parameters)
 from ..ros.loop_run import gap_explained, plot_run, read_run, summarise
-from ..watch.show import WEB, WINDOW
-from ..watch.view import require_rerun
+from ..watch.view import require_rerun, WEB, WINDOW
 
 _NICENESS, _VIEW_TIMEOUT_S = 10, 60.0  # of the view, which is slow on a busy machine
 _EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'

@@ -33,8 +33,7 @@ def write_picture(
     true: Mapping[str, float] | None = None,
 ) -> None:
     """Write the picture of a recording."""
-    signals = read_contact_signals(
-        reader, source, parameters, parameters.axis, parameters.joint)
+    signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)
     series = {**signal_series(signals), **trace.series(int(signals.wrench.stamp_ns[0]))}
     estimator = f', {parameters.estimator}' if 'stiffness' in series else ''
     figure = plot_contact(series, reader.path.name + estimator, true)

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from typing import Callable
+
 from tqdm import tqdm
 
 _FORMAT = '{desc} {percentage:5.1f} %|{bar}| {remaining} left{postfix}'
@@ -17,6 +19,7 @@ class Progress:
 
     def __init__(self, name: str) -> None:
         # disable=None: silent unless stderr is a terminal; smoothing=0: mean rate since start.
+        self._stages = 0
         self._bar = tqdm(
             desc=name, total=1.0, disable=None, leave=False, dynamic_ncols=True,
             delay=0.5, mininterval=0.5, miniters=0, smoothing=0.0, bar_format=_FORMAT)
@@ -25,6 +28,14 @@ class Progress:
         """Update the bar."""
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(fraction - self._bar.n)
+
+    def stage(self, expected: int) -> Callable[[str], None]:
+        """Return what shows the next of so many stages by its text."""
+        def show(text: str) -> None:
+            self._stages += 1
+            self.show(min(0.95, self._stages / expected), text)
+
+        return show
 
     def done(self) -> None:
         """Clear the bar."""

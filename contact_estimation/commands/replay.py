@@ -8,18 +8,16 @@ from __future__ import annotations
 from contextlib import ExitStack
 from functools import partial
 import gc
-import json
 import time
 from typing import Any, Protocol, Sequence
 
 from .command_line import (
-    add_params_option, add_source_options, chosen_parameters, command, different_files, new_file,
-    Parser, source_of, topics_of)
+    add_params_option, add_source_options, add_tare_option, as_json, check_outputs,
+    chosen_parameters, command, new_file, Parser, print_columns, reading_of, replayed_parameters,
+    source_of, topics_of, write_results)
 from .picture import picture_trace, write_picture
 from .progress import Progress
-from .reading_options import add_tare_option, print_columns, reading_of
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
-from .replayed_parameters import replayed_parameters
 from ..diagnosis.checks import check
 from ..diagnosis.observe.signals import read_recording
 from ..estimators import ONLINE_ESTIMATORS
@@ -74,10 +72,7 @@ def run(options: Any) -> int:
     # Millions of small tuples and no cycles: garbage collection would take a fifth of the time.
     gc.disable()
     begin = time.perf_counter()
-    outputs = (options.csv, options.json, options.output, options.picture)
-    for path in filter(None, outputs):
-        new_file(path)
-    different_files(outputs, {
+    check_outputs((options.csv, options.json, options.output, options.picture), {
         'the recording': [options.recording], 'a parameter file': options.params})
     trace = picture_trace(options.picture)
     source = source_of(options)
@@ -91,8 +86,7 @@ def run(options: Any) -> int:
         replayed = _replay(replay, reader, files)
     refuse_empty(options.recording, replay, replayed, partial(_cause, options))
     summary = summary_of(replay, reader, replayed, time.perf_counter() - begin)
-    if options.json:
-        new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
+    write_results(options, {'json': lambda: as_json(summary)})
     print_summary(summary)
     if trace is not None:
         write_picture(options.picture, reader, source, replay.session.parameters, trace)

@@ -30,17 +30,10 @@ class Replayed:
     """
     What the summary needs of all estimates.
 
-    Attributes
-    ----------
-    first, last : AxesEstimates
-        Of the first and the last sample; empty before any.
-    samples : int
-        Their number.
-    statuses : set of EstimateStatus
-        That occurred on any axis.
-    reasons : Counter of str
-        For which samples in contact, on any axis, changed no estimate.
-
+    first, last: of the first and the last sample; empty before any
+    samples: their number
+    statuses: that occurred on any axis
+    reasons: for which samples in contact, on any axis, changed no estimate
     """
 
     def __init__(self) -> None:
@@ -78,17 +71,10 @@ def summary_of(
     """
     Return the summary of a replay.
 
-    Parameters
-    ----------
-    replay : RecordingReplay
-        At its end.
-    reader : RecordingReader
-        Of the recording.
-    replayed : Replayed
-        Its estimates, not empty.
-    wall_s : float
-        Duration of the replay [s].
-
+    replay: at its end
+    reader: of the recording
+    replayed: its estimates, not empty
+    wall_s: duration of the replay [s]
     """
     session, last = replay.session, replayed.last
     summary: dict[str, Any] = {

@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from typing import Any
 
-from .command_line import command, new_file, Parser
+from .command_line import (
+    as_json, check_outputs, command, Parser, require_at_least, write_results)
 from .progress import Progress
-from ..exceptions import ParameterRangeError
 from ..studies.reproduction.figures import plot_figures
 from ..studies.reproduction.table import as_text, make_table
 
@@ -38,16 +37,13 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Compute table and figures."""
-    for name in ('seeds', 'jobs'):
-        if getattr(options, name) < 1:
-            raise ParameterRangeError(f'--{name} must be >= 1, got {getattr(options, name)}')
-    target = new_file(options.json) if options.json else None
+    require_at_least(options, seeds=1, jobs=1)
+    check_outputs([options.json], {})
     progress = Progress('reproduce')
     rows = make_table(options.seeds, options.jobs, progress.show)
     progress.done()
     print(as_text(rows))
-    if target is not None:
-        target.write_text(json.dumps({'cases': rows}, indent=1) + '\n')
+    write_results(options, {'json': lambda: as_json({'cases': rows})})
     if options.output:
         for path in plot_figures(Path(options.output)):
             print(f'wrote {path}')

@@ -11,13 +11,7 @@ from typing import Any
 import numpy as np
 
 from .command_line import (
-    add_source_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
+    add_source_options, command, different_files, new_file, Parser, require_at_least, source_of)
 from .picture import picture_trace, write_picture
 from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.estimate_files import EstimateTrace
@@ -70,8 +64,7 @@ def run(options: Any) -> int:
         'the model file': [options.model], 'the recording': [options.like],
         'the experiment': [options.experiment]})
     trace = picture_trace(options.picture)
-    if options.seed is not None and options.seed < 0:
-        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
+    require_at_least(options, seed=0)
     model = read_model(options.model, options.seed)
     frame_id = PlantNodeParameters().frame_id
     if options.like:
@@ -102,9 +95,7 @@ def _new_recording(path: str) -> Path:
     return new_file(path)
 
 
-def _simulate_like(
-    model: PlantParameters, signals: RecordedSignals, options: Any
-) -> Simulation:
+def _simulate_like(model: PlantParameters, signals: RecordedSignals, options: Any) -> Simulation:
     wrench, reference, recording = signals.wrench, signals.reference_trajectory, options.like
     if len(reference):
         if options.between not in ('straight', 'held'):
@@ -127,9 +118,7 @@ def _simulate_like(
         model, wrench.stamp_ns, wrench.values[0], _start(signals), options.between)
 
 
-def _write_picture(
-    options: Any, model: PlantParameters, joint: str, trace: EstimateTrace
-) -> None:
+def _write_picture(options: Any, model: PlantParameters, joint: str, trace: EstimateTrace) -> None:
     """Replay what was written, and plot it with the estimates beside the true values."""
     reader, source, wall = RecordingReader(options.output), RecordingSource(), model.environment
     parameters = {'axis': options.axis or 'x', 'joint': joint, 'sample_rate': model.sample_rate,

@@ -12,23 +12,16 @@ from threading import Event
 from typing import Any, Sequence
 
 from .command_line import (
-    add_params_option,
-    add_source_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
+    add_params_option, add_source_options, command, different_files, new_file, Parser,
+    replayed_parameters, source_of)
 from .progress import Progress
-from .replayed_parameters import replayed_parameters
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..ros.loop_processes import require_rclpy
-from ..watch.show import follow_recording, show, show_recording, WEB, WINDOW
-from ..watch.view import ContactView, require_rerun
+from ..watch.view import (
+    ContactView, follow_recording, require_rerun, show, show_recording, WEB, WINDOW)
 
 _OF_RECORDINGS = ('follow', 'topic', 'axis', 'joint', 'params', 'estimator')
 _FOLLOWED_S = 20.0  # shown of a recording that is being written

@@ -40,8 +40,7 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
             real = os.path.realpath(path)
             if real not in found:
                 name = printable(path.as_posix())
-                found[real] = FoundRecording(
-                    name, os.path.abspath(path), _group(name, pattern))
+                found[real] = FoundRecording(name, os.path.abspath(path), _group(name, pattern))
     return sorted(found.values(), key=lambda one: natural_order(one.name))
 
 
@@ -99,8 +98,7 @@ def _recordings_at(path: Path, of_pattern: bool = False) -> Iterator[Path]:
     """Yield a regular file as it is, and the recordings of a folder, each place once."""
     if not os.path.isdir(path):
         # a file that is named is meant
-        if os.path.isfile(path) and (
-                path.suffix in _SUFFIXES or is_table(path) or not of_pattern):
+        if os.path.isfile(path) and (path.suffix in _SUFFIXES or is_table(path) or not of_pattern):
             yield path
         return
     # Links come last: a recording has the name of its own place, and a loop ends.

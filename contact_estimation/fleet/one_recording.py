@@ -104,8 +104,7 @@ def replay_episodes(
 
 Outcome = dict[str, Any]
 """Plain data with `OUTCOME_NAMES`; of recordings together, with `POOLED_NAMES`."""
-OUTCOME_NAMES = {
-    'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s', 'report', 'error'}
+OUTCOME_NAMES = {'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s', 'report', 'error'}
 POOLED_NAMES = {'version', 'report', 'error'}
 
 
@@ -157,8 +156,7 @@ def process_pooled(
     except MissingPackageError:
         raise
     except ContactEstimationError as error:
-        return Result({'version': settings.version, 'report': None,
-                       'error': str(error)}, '')
+        return Result({'version': settings.version, 'report': None, 'error': str(error)}, '')
     title = printable(', '.join(Path(path).name for path in paths))
     page = as_html(diagnosis, title) if with_page else ''
     return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
@@ -187,7 +185,6 @@ def _replayed(path: str, settings: Settings) -> Outcome:
 def _diagnosed(
     recordings: Sequence[Recording], settings: Settings, held_out: Sequence[Recording] = ()
 ) -> Diagnosis:
-    diagnosis = diagnose(
-        recordings, settings.nominal, held_out=held_out, seed=settings.seed)
+    diagnosis = diagnose(recordings, settings.nominal, held_out=held_out, seed=settings.seed)
     proposal = choose(diagnosis)
     return diagnosis if proposal is None else replace(diagnosis, next_experiment=proposal.text)

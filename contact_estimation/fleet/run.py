@@ -1,23 +1,125 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""One run over an archive: compute the missing results, then write table and page."""
+"""One run over an archive: compute what is missing, resuming an interrupted run; pool groups."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+import json
+import os
 from pathlib import Path
-from typing import Callable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+
+import numpy as np
 
 from .discovery import FoundRecording
 from .findings import by_group, Change, changes
 from .fingerprint import recording_sha256, Settings
-from .finished import Finished
-from .one_recording import Outcome, process, Result
-from .pooling import pooled_calls, PooledResult, pools
-from .table import Entry, in_time
+from .one_recording import Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, Result
+from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
-from ..texts import printable
+from ..texts import json_content, printable
+
+_RESULTS, _PAGES = 'finished', 'recordings'
+
+
+class Finished:
+    """The finished results in the folder of a run."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        for name in (_RESULTS, _PAGES):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+
+    def get(self, key: str, with_page: bool) -> Outcome | None:
+        """Return a finished result."""
+        try:
+            outcome: Outcome = json_content(self._file(key).read_text(encoding='utf-8'))
+        except (FileNotFoundError, ValueError):
+            return None
+        if not isinstance(outcome, dict) or set(outcome) not in (POOLED_NAMES, OUTCOME_NAMES):
+            return None  # damaged, or of another version
+        lacks_page = with_page and outcome['report'] is not None and not self.page(key)
+        return None if lacks_page else outcome
+
+    def keep(self, key: str, result: Result) -> None:
+        """Write a result atomically."""
+        if result.page:
+            write_whole(self._folder / _PAGES / _page_name(key), result.page.encode('utf-8'))
+        text = json.dumps(result.outcome, allow_nan=False)
+        write_whole(self._file(key), text.encode('utf-8'))
+
+    def page(self, key: str) -> str:
+        """Return the path of a diagnosis's page."""
+        path = f'{_PAGES}/{_page_name(key)}'
+        return path if (self._folder / path).exists() else ''
+
+    def _file(self, key: str) -> Path:
+        return self._folder / _RESULTS / f'{key}.json'
+
+
+def _page_name(key: str) -> str:
+    return f'{key[:16]}.html'
+
+
+def write_whole(file: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    partial = file.with_name(file.name + '.partial')
+    with open(partial, 'wb') as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(partial, file)
+
+
+_LEAST = 3  # recordings: two to fit and one to leave out
+
+
+class Pool(NamedTuple):
+    """Recordings of a group that are diagnosed together."""
+
+    group: str  # their group
+    members: list[Entry]  # spread evenly over time, since the last change of what is named
+    since: Change | None  # that change
+
+
+class PooledResult(NamedTuple):
+    """The pooled diagnosis of a group."""
+
+    pool: Pool  # what was diagnosed
+    whole: Outcome  # outcome with all members
+    page: str  # its page, relative to the folder of the run; '' without
+    left_out: list[Outcome]  # outcome of the others, tested on each member
+
+
+def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[Pool]:
+    """Choose the recordings of each group that are diagnosed together."""
+    chosen = []
+    for group, members in by_group(entries).items():
+        latest = max((change for change in found if change.group == group),
+                     key=lambda change: change.number, default=None)
+        since = members[latest.number - 1:] if latest else members
+        known = [one for one in distinct(since) if one.report is not None]
+        if min(len(known), most) >= _LEAST:
+            places = np.linspace(0, len(known) - 1, min(most, len(known))).round().astype(int)
+            chosen.append(Pool(group, [known[place] for place in places], latest))
+    return chosen
+
+
+def pooled_calls(pool: Pool, settings: Settings, with_page: bool) -> dict[str, Call]:
+    """Return the diagnoses of a pool: the whole, then without each member in turn."""
+    members = pool.members
+    whole = settings.key('pooled', *(one.sha256 for one in members))
+    calls = {whole: Call(process_pooled, ([one.path for one in members], [], settings, with_page))}
+    for left_out in members:
+        others = [one for one in members if one is not left_out]
+        key = settings.key('left out', left_out.sha256, *(one.sha256 for one in others))
+        arguments: tuple[Any, ...] = (
+            [one.path for one in others], [left_out.path], settings, False)
+        calls[key] = Call(process_pooled, arguments)
+    return calls
+
 
 Progress = Callable[[float, str], None]
 

@@ -5,14 +5,15 @@
 
 from .encoding import (
     encode_arm, encode_float64, encode_multi_array, encode_string, ForceTorqueEncoder,
-    JointRowEncoder, JointStateEncoder, TrajectoryEncoder, Vector3StampedEncoder, WrenchEncoder)
+    JointStateEncoder, TrajectoryEncoder, Vector3StampedEncoder, WrenchEncoder)
 from .joint_decoding import (
     ArmReading, decode_arm, JointStateDecoder, SeveralJointsDecoder, SomeJointsDecoder,
     TrajectoryDecoder)
-from .plain_decoding import decode_diagnostics, decode_float64, decode_string, DiagnosticReading
+from .plain_decoding import (
+    decode_diagnostics, decode_float64, decode_string, DiagnosticReading, ForceTorqueDecoder,
+    Vector3StampedDecoder, WrenchDecoder)
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
 from .transforms import StampedTransform, TransformsDecoder
-from .wrench_decoding import ForceTorqueDecoder, Vector3StampedDecoder, WrenchDecoder
 
 __all__ = [
     'ArmReading',
@@ -21,7 +22,6 @@ __all__ = [
     'ForceTorqueDecoder',
     'ForceTorqueEncoder',
     'JointReading',
-    'JointRowEncoder',
     'JointStateDecoder',
     'JointStateEncoder',
     'SeveralJointsDecoder',

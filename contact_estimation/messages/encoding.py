@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from struct import Struct
 from typing import Sequence
 
@@ -98,42 +99,21 @@ class TrajectoryEncoder:
         )
 
 
-class JointRowEncoder:
-    """Write several joints as JointState or JointTrajectory."""
-
-    def __init__(
-        self, joints: Sequence[str], trajectory: bool, efforts: bool = False
-    ) -> None:
-        count = len(joints)
-        head = _head('', *joints) + (_ONE if trajectory else b'')
-        self._head = _aligned(head + count.to_bytes(4, 'little'), 8)
-        further = f'I4x{count}d' * (3 if trajectory else 2 if efforts else 1)
-        self._pack = Struct(
-            f'<4siI{len(self._head)}s{count}d{further}'
-            + ('8x' if trajectory else '' if efforts else '4x')).pack
-        self._count = count
-
-    def encode(self, stamp_ns: int, *rows: Sequence[float]) -> bytes:
-        """Return the message with this stamp [ns], positions and their rates, n of each."""
-        positions, *rates = rows
-        return self._pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, *positions,
-                          *(value for row in rates for value in (self._count, *row)))
-
-
 def encode_arm(
-    stamp_ns: int, names: Sequence[str], position: Array, velocity: Array, effort: Array
+    stamp_ns: int, names: Sequence[str], *rows: Sequence[float] | Array, point: bool = False
 ) -> bytes:
     """
-    Write sensor_msgs/msg/JointState with all joints.
+    Write sensor_msgs/msg/JointState, or JointTrajectory with one `point`, of all joints.
 
-    position, velocity, effort (n,) or (0,): empty for what is not published
+    rows (n,) or (0,): positions, then each rate and the efforts; empty for what is not published
     """
-    data = _head('', *names)
-    for values in (position, velocity, effort):
+    data = _head('', *names) + (_ONE if point else b'')
+    for values in rows:
         data = _aligned(data, 4) + len(values).to_bytes(4, 'little')
         if len(values):
             data = _aligned(data, 8) + np.asarray(values, '<f8').tobytes()
-    return _STAMPED.pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S)) + data
+    time_from_start = bytes(8 if point else 0)
+    return _STAMPED.pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S)) + data + time_from_start
 
 
 def encode_string(text: str) -> bytes:
@@ -146,9 +126,7 @@ def encode_float64(value: float) -> bytes:
     return _FLOAT64.pack(_LITTLE_ENDIAN, value)
 
 
-def encode_multi_array(
-    dimensions: Sequence[tuple[str, int]], values: Sequence[float]
-) -> bytes:
+def encode_multi_array(dimensions: Sequence[tuple[str, int]], values: Sequence[float]) -> bytes:
     """Return a std_msgs/msg/Float64MultiArray."""
     layout, stride = len(dimensions).to_bytes(4, 'little'), len(values)
     for label, size in dimensions:
@@ -158,6 +136,7 @@ def encode_multi_array(
     return _LITTLE_ENDIAN + head + Struct(f'<{len(values)}d').pack(*values)
 
 
+@lru_cache(maxsize=64)
 def _head(frame_id: str, *joints: str) -> bytes:
     """Write the frame and a sequence of joint names, up to the next sequence."""
     head = _aligned(_text(frame_id), 4) + len(joints).to_bytes(4, 'little')

@@ -190,13 +190,7 @@ def optional_parameter(
 
 
 def group(cls: type[ParameterGroup], description: str = '') -> Any:
-    """
-    Declare a nested group of parameters as a dataclass field.
-
-    cls: class of the group; its defaults are the default of the field
-    description: what the group is for, where its name does not say so
-    Returns field: to be assigned in the body of a `ParameterGroup`
-    """
+    """Declare a nested group of parameters, with the defaults of its class, as a field."""
     return dataclasses.field(
         default_factory=cls, metadata={'group': cls, 'description': description})
 

@@ -15,12 +15,7 @@ Group = TypeVar('Group', bound=ParameterGroup)
 
 
 def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
-    """
-    Return the values of a group by their dotted names.
-
-    prefix: prefix of all names, including its dot
-    Returns flat: dotted name to value, in the order of declaration
-    """
+    """Return the values of a group by dotted names that begin with a prefix, in order."""
     flat: dict[str, Value] = {}
     for field in dataclasses.fields(values):
         value = getattr(values, field.name)
@@ -32,12 +27,7 @@ def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
 
 
 def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, Any]:
-    """
-    Flatten nested mappings, as read from YAML, to dotted names.
-
-    nested: names to values or to nested mappings
-    prefix: prefix of all names, including its dot
-    """
+    """Flatten nested mappings, as read from YAML, to names that begin with a prefix."""
     flat: dict[str, Any] = {}
     for key, value in nested.items():
         if isinstance(value, Mapping):
@@ -82,12 +72,7 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
 
 
 def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, Any]:
-    """
-    Return values without those of a group.
-
-    values: dotted name to value, of several groups
-    Returns rest: values that belong to other groups, or to none
-    """
+    """Return values by dotted names without those of a group."""
     own = {spec.name for spec in specifications(cls)}
     return {name: value for name, value in values.items() if name not in own}
 
@@ -95,11 +80,6 @@ def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, A
 def divided(
     cls: type[ParameterGroup], values: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """
-    Split values into those of other groups and those of one group.
-
-    values: dotted name to value, of several groups
-    Returns others, own: values that do not belong to the group, and values that do
-    """
+    """Split values by dotted names into those of other groups and those of one group."""
     others = without(cls, values)
     return others, {name: value for name, value in values.items() if name not in others}

@@ -27,6 +27,7 @@ from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
 from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import CompensatedSample, ContactSample
+from ..signals.zero_tracking import ZeroTracker
 
 Array = NDArray[np.float64]
 NO_REFERENCE = Reference(nan, nan, nan)
@@ -95,6 +96,7 @@ class EstimationPipeline:
             lag_prior(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
+        self.posterior.contact.follows_level = self._conditioner.tracker is None
         self._noted: Knowledge | None = None
         self._held_of: Knowledge | None = None
         self._lasting = LastingError()
@@ -364,8 +366,8 @@ class EstimationPipeline:
             conditioner.note_contact()
         elif not x > location - self.location_margin:
             conditioner.note_free(pressing)
-            if conditioner.tracker is not None and posterior.contact.is_quiet:
-                conditioner.tracker.correct(pressing - self.free_flight_level, self.noise_std)
+            if conditioner.tracker is not None:
+                self._follow_zero(conditioner.tracker, pressing)
         if self.force_errors or conditioner.tracker is not None:
             self._note_lasting(state, dt, x - location, v)
         if location != location:
@@ -450,6 +452,15 @@ class EstimationPipeline:
             self._note_fit(stamp_ns, state)
             self._published = self._published_of(*self._by_posterior(state), 0.0)
         return self._published
+
+    def _follow_zero(self, tracker: ZeroTracker, pressing: float) -> None:
+        """Let the tracker alone follow the zero; the filter of the contact finds what it is."""
+        contact, noise = self.posterior.contact, self.noise_std
+        if contact.level:
+            tracker.step(contact.level, contact.level_variance / noise**2)
+        elif contact.is_quiet:
+            tracker.correct(pressing, noise)
+        contact.set_level(0.0, (tracker.zero_std * noise)**2)
 
     def _note_lasting(self, state: int, dt: float, d: float, v: float) -> None:
         """Add up what errors of the force that last may have done to the estimate."""

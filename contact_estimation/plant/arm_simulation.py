@@ -32,47 +32,22 @@ _SENSED = ('force_gain', 'force_bias', 'force_delay')
 
 @dataclass(frozen=True)
 class ArmLaw:
-    """
-    A law at a place.
+    """A law at a place."""
 
-    Attributes
-    ----------
-    effect : str
-        Key of JOINT_EFFECTS.
-    theta : sequence of float
-        Its coefficients.
-    place : Place
-        Of the kind that the effect has.
-    shape : float
-        Value in which it is not linear.
-
-    """
-
-    effect: str
-    theta: Sequence[float]
-    place: Place = None
-    shape: float = 0.0
+    effect: str  # key of JOINT_EFFECTS
+    theta: Sequence[float]  # its coefficients
+    place: Place = None  # of the kind that the effect has
+    shape: float = 0.0  # value in which it is not linear
 
 
 @dataclass(frozen=True)
 class ArmSensors:
-    """
-    What joint states show of a motion.
+    """What joint states show of a motion."""
 
-    Attributes
-    ----------
-    rate : float
-        [Hz].
-    torque_noise : ndarray, shape (n,)
-        Standard deviation [N m].
-    position_step : float
-        Resolution [rad].
-
-    """
-
-    rate: float = 200.0
+    rate: float = 200.0  # [Hz]
+    # (n,) standard deviation [N m]
     torque_noise: Array = field(default_factory=lambda: np.zeros(1))
-    position_step: float = 0.0
+    position_step: float = 0.0  # resolution [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,27 +69,16 @@ class Impedance:
     u = g(q) + J^T (K (x_d - x) + D (v_d - v)) - d q' of the tip, the last link's origin; turning
     is held by a spring, too. Albu-Schaeffer, Ott and Hirzinger, Int. J. Robotics Research 26(1),
     2007.
-
-    Attributes
-    ----------
-    normal : ndarray, shape (3,)
-        Unit vector into the wall, axes of the root.
-    wall : ContactLaw
-        Along the normal, from the tip at the start.
-    stiffness, damping, turning, joint_damping : float
-        [N/m], [N s/m], [N m/rad], [N m s/rad].
-    noise : ndarray, shape (6,)
-        Of the wrench.
-
     """
 
-    normal: Array
-    wall: ContactLaw
+    normal: Array  # (3,) unit vector into the wall, axes of the root
+    wall: ContactLaw  # along the normal, from the tip at the start
+    # stiffness, damping, turning, joint_damping: [N/m], [N s/m], [N m/rad], [N m s/rad]
     stiffness: float = 2000.0
     damping: float = 150.0
     turning: float = 100.0
     joint_damping: float = 1.0
-    noise: Array = field(default_factory=lambda: np.zeros(6))
+    noise: Array = field(default_factory=lambda: np.zeros(6))  # (6,) of the wrench
 
 
 def simulate_arm(
@@ -128,24 +92,15 @@ def simulate_arm(
     Linearly implicit Euler steps of 1 ms, so that dry friction sticks: with f the friction,
     (M + h df/dv + h D) v+ = M v + h (u - C v - g - f + df/dv v), D the gain of the control.
 
-    Parameters
-    ----------
-    arm : ArmDynamics
-        Its true links, n joints.
-    wanted : ArmTrajectory
-        That the control follows: feed-forward of the rigid arm, and position control.
-    laws : sequence of ArmLaw
-        Physics beyond rigid links.
-    sensors : ArmSensors
-        Of the joint states.
-    seed : int
-        Of their noise.
-    extra : ndarray, shape (N, n), or callable, optional
-        Torque on the joints, which no law describes [N m]: over the times of `wanted`, or of q and
-        q' of an instant, such as that of a wall.
-    impedance : Impedance, optional
-        Control in place of that of the joints, and the wall; the tip follows that of `wanted`.
-
+    arm: its true links, n joints
+    wanted: that the control follows: feed-forward of the rigid arm, and position control
+    laws: physics beyond rigid links
+    sensors: of the joint states
+    seed: of their noise
+    extra (N, n): torque on the joints, which no law describes [N m]: over the times of `wanted`,
+    or of q and q' of an instant, such as that of a wall
+    impedance: control in place of that of the joints, and the wall; the tip follows that of
+    `wanted`
     """
     body = _Body(arm, laws) if impedance is None else _PressingBody(arm, laws, impedance)
     feed = arm.torque(wanted.q, wanted.v, wanted.a)

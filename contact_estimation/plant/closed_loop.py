@@ -50,22 +50,7 @@ class ClosedLoopRun:
 
 
 def extrapolate(since: float, reference: Reference) -> ReferenceAt:
-    """
-    Extrapolate a reference by its parabola until the next one arrives.
-
-    Parameters
-    ----------
-    since : float
-        Time from which it holds [s].
-    reference : Reference
-        x_r with derivatives and F_r.
-
-    Returns
-    -------
-    reference_at : callable
-        From time [s] to the reference.
-
-    """
+    """Extrapolate a reference, which holds since a time [s], by its parabola."""
     x, v, a, F_r = reference
 
     def at(t: float) -> tuple[float, float, float, float]:
@@ -76,20 +61,7 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
 
 
 def push(force: float) -> ReferenceAt:
-    """
-    Hold the control force of a bare arm until the next one arrives.
-
-    Parameters
-    ----------
-    force : float
-        Control force [N].
-
-    Returns
-    -------
-    reference_at : callable
-        From time [s] to a reference at rest with this force.
-
-    """
+    """Hold the control force of a bare arm [N], at rest, until the next one arrives."""
     reference = Reference(0.0, 0.0, 0.0, force)
     return lambda t: reference
 
@@ -153,20 +125,7 @@ def run_closed_loop(
 
 
 def require_control(session: ContactSession) -> None:
-    """
-    Raise if no estimator would control a bare arm.
-
-    Parameters
-    ----------
-    session : ContactSession
-        Session with its estimator.
-
-    Raises
-    ------
-    ParameterRangeError
-        If the estimator computes no control force.
-
-    """
+    """Raise if the estimator of a session would not control a bare arm."""
     if isnan(session.pipeline.control_force):
         raise ParameterRangeError(
             'robot.control force needs an estimator that computes a control force: expected mrac, '

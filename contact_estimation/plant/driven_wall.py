@@ -71,8 +71,7 @@ class DrivenWall:
                 'only a wall that is permanently attached follows a force alone, got '
                 'environment.unilateral true; set it to false, or give a reference_trajectory'
             )
-        effects: list[Effect] = effects_that_are_on(
-            parameters.physics, parameters.sign_velocity)
+        effects: list[Effect] = effects_that_are_on(parameters.physics, parameters.sign_velocity)
         self._sensor = [e for e in effects if isinstance(e, ForceSensorEffect)]
         self._law = ContactLaw(
             wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects
@@ -87,12 +86,7 @@ class DrivenWall:
         self._rate = parameters.integration_rate
 
     def true_force(self, t: Array, reading: Array) -> Array:
-        """
-        Remove the effects of the sensor from a measured force, except for its mass.
-
-        t, reading (N,): time since the first sample [s] and measured F_e [N]
-        Returns force (N,): F_e less mass times acceleration [N]
-        """
+        """Remove the effects of the sensor, except for its mass, from a reading (N,) [N]."""
         for effect in reversed(self._sensor):
             reading = effect.undo_along(t, reading)
         return reading

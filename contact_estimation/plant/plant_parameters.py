@@ -57,15 +57,7 @@ class RobotParameters(ParameterGroup):
     )
 
     def law(self) -> RobotParameters:
-        """
-        Return the parameters of eq. (1) that the robot obeys.
-
-        Returns
-        -------
-        robot : RobotParameters
-            For a bare arm without stiffness and driven by F_r; its reference must be at rest.
-
-        """
+        """Return the parameters of eq. (1) that the robot obeys; a bare arm has no stiffness."""
         if self.control == 'impedance':
             return self
         return replace(self, stiffness=0.0, force_tracking=True)

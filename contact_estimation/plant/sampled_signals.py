@@ -24,12 +24,7 @@ _GAIN = -_POLE / _AHEAD
 
 
 def straight(force: Array) -> Array:
-    """
-    Return the samples of a linearly interpolated force: the force itself.
-
-    force (N,): measured force
-    Returns samples (N,): samples in the same unit
-    """
+    """Return the samples, shape (N,), of a linearly interpolated force: the force itself."""
     return force
 
 

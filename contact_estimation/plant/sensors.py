@@ -38,12 +38,7 @@ class Sensors:
             yield from block.tolist()
 
     def measure(self, truth: Truth) -> tuple[float, float, float]:
-        """
-        Return one measurement.
-
-        Returns force, position, velocity: F_e [N], x [m] and its rate [m/s], NaN where velocity is
-        not published
-        """
+        """Return F_e [N], x [m] and its rate [m/s], NaN where velocity is not published."""
         p = self._p
         force = truth.sensed + p.force_noise * next(self._streams[0])
         position = truth.position + p.position_noise * next(self._streams[1])

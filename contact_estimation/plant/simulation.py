@@ -68,20 +68,14 @@ def simulate_on(
     begin: the world's time at t[0] [s], on which some effects depend
     """
     since = t - t[0] + begin
-    return simulate_at(
-        parameters, since, reference_through(since, reference_rows), x0, v0, begin)
+    return simulate_at(parameters, since, reference_through(since, reference_rows), x0, v0, begin)
 
 
 def simulate_at(
     parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0,
     begin: float = 0.0,
 ) -> list[Truth]:
-    """
-    Simulate, and return the true states at given times.
-
-    t (N,): output times [s], >= begin, increasing
-    reference: from time [s] to the reference
-    """
+    """Return the true states at increasing times (N,) [s], none before `begin`."""
     world, truths = World(parameters, x0, v0, begin=begin), []
     for now in t.tolist():
         if now > world.t:

@@ -29,9 +29,7 @@ def shift(state: State, h: float, rates: State) -> State:
     return tuple([s + h * rate for s, rate in zip(state, rates)])
 
 
-def combine(
-    state: State, h: float, k1: State, k2: State, k3: State, k4: State
-) -> list[float]:
+def combine(state: State, h: float, k1: State, k2: State, k3: State, k4: State) -> list[float]:
     """Return the state after a step h [s] with rates k1 to k4."""
     sixth = h / 6.0
     return [s + sixth * (a + 2.0 * b + 2.0 * c + d)

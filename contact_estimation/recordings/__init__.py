@@ -3,7 +3,7 @@
 
 """MCAP files and rosbag2 folders; a killed recorder loses at most the last second."""
 
-from .qos import OfferedQos
+from .bag_folder import OfferedQos
 from .reading import RecordedMessage, RecordingReader
 from .writing import RecordingWriter
 

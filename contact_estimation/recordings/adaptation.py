@@ -75,9 +75,7 @@ def _restamped(data: bytes, time_ns: int) -> bytes:
     return data[:4] + pack(order + 'iI', *divmod(time_ns, NS_PER_S)) + data[12:]
 
 
-def _wrench(
-    kind: str, field: str | None, definition: str, received: bool, where: str
-) -> Change:
+def _wrench(kind: str, field: str | None, definition: str, received: bool, where: str) -> Change:
     """Return what makes a WrenchStamped of other messages."""
     try:
         store = fresh_typestore(kind, definition)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .columns import is_effort, is_key, KEYS
 from .reading import RecordingReader
+from .recorded_signals import gather
 from .source import RecordingSource
 from .table_file import FORCES, messages_of, RATES, TYPES
 from .topic_names import canonical
@@ -119,22 +120,7 @@ def _checked(signals: Mapping[str, ArrayLike]) -> Signals:
 
 
 def write_csv(path: Path, signals: Mapping[str, NDArray[Any]]) -> None:
-    """
-    Write signals as CSV that reads back without loss.
-
-    Parameters
-    ----------
-    path : Path
-        New file.
-    signals : mapping of str to ndarray, shape (N,)
-        As of `signals_of_recording`; NaN becomes an empty cell.
-
-    Raises
-    ------
-    RecordingError
-        If the file exists or cannot be written.
-
-    """
+    """Write signals as CSV that reads back without loss; NaN becomes an empty cell."""
     try:
         with open(path, 'x', encoding='utf-8') as stream:
             _write_rows(stream, signals)
@@ -158,83 +144,56 @@ def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Si
     """
     Read wrench, joints and reference as arrays on common rows.
 
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-
-    Returns
-    -------
-    signals : dict of str to ndarray, shape (N,)
-        As of `read_table`, without 't'. Of equal stamps of a topic, the first counts.
-
-    Raises
-    ------
-    RecordingError
-        If a topic is missing or has no usable message.
-
+    reader: the recording
+    source: its topics
+    Returns signals (N,): as of `read_table`, without 't'. Of equal stamps of a topic, the first
+    counts
     """
+    joints, references = _Joints('joint'), _Joints('reference')
+    decode = {source.joint_states: joints.decode, source.wrench: ForceTorqueDecoder().decode,
+              source.reference_trajectory: references.decode}
     there = {canonical(topic) for topic in reader.topics()}
-    topics = [source.joint_states]
-    topics += [t for t in (source.wrench, source.reference_trajectory) if canonical(t) in there]
-    read: dict[str, _Forces | _Joints] = {
-        source.wrench: _Forces(), source.joint_states: _Joints('joint'),
-        source.reference_trajectory: _Joints('reference')}
-    refused = ''
-    for topic, _, data in reader.messages(topics):
-        try:
-            read[topic].add(data)
-        except MessageError as error:
-            refused = refused or f'; {topic}: {error}'
-    for topic in topics:
-        if topic != source.reference_trajectory and not read[topic].rows:
-            raise RecordingError(f'no usable message on {topic} in {reader.path}{refused}')
-    stamps_ns = np.array(sorted(set().union(*(one.rows for one in read.values()))), np.int64)
+    rows, refused = gather(reader, {topic: decode[topic] for topic in decode if (
+        topic == source.joint_states or canonical(topic) in there)})
+    names = {source.joint_states: joints.names, source.wrench: FORCES,
+             source.reference_trajectory: references.names}
+    for topic, (stamps, _) in rows.items():
+        if topic != source.reference_trajectory and not stamps:
+            raise RecordingError(
+                f'no usable message on {topic} in {reader.path}{refused.get(topic, "")}')
+    stamps_ns = np.unique(np.concatenate([np.array(stamps, np.int64)
+                                          for stamps, _ in rows.values()]))
     signals: Signals = {'t_ns': stamps_ns}
-    for one in (one for one in read.values() if one.rows):
-        own = np.array(list(one.rows.values()), np.float64).reshape(len(one.rows), -1)
-        places = np.searchsorted(stamps_ns, np.array(list(one.rows), np.int64))
-        for name, column in zip(one.names, own.T):
-            signals[name] = np.full(len(stamps_ns), np.nan)
-            signals[name][places] = column
-    if source.wrench not in topics and not any(
+    for topic in (source.wrench, source.joint_states, source.reference_trajectory):
+        if topic in rows and rows[topic][0]:
+            own_ns, first = np.unique(np.array(rows[topic][0], np.int64), return_index=True)
+            places = np.searchsorted(stamps_ns, own_ns)
+            for name, column in zip(names[topic], np.array(rows[topic][1]).reshape(
+                    -1, len(names[topic]))[first].T):
+                signals[name] = np.full(len(stamps_ns), np.nan)
+                signals[name][places] = column
+    if source.wrench not in rows and not any(
             np.isfinite(values).any() for name, values in signals.items() if is_effort(name)):
         next(iter(reader.messages([source.wrench])))  # says what is there instead
     return signals
 
 
-class _Forces:
-    """Rows of forces and torques by stamp."""
-
-    names: Sequence[str] = FORCES
-
-    def __init__(self) -> None:
-        self.rows: dict[int, tuple[float, ...]] = {}
-        self._decoder = ForceTorqueDecoder()
-
-    def add(self, raw: bytes) -> None:
-        self.rows.setdefault(*self._decoder.decode(raw))
-
-
 class _Joints:
-    """Rows of all joints of the first message by stamp: positions, then each rate."""
+    """Rows of all joints of the first message: positions, then each rate."""
 
     def __init__(self, kind: str) -> None:
-        self.rows: dict[int, tuple[float, ...]] = {}
         self.names: Sequence[str] = ()
         self._kind = kind
         self._decode: Any = None
 
-    def add(self, raw: bytes) -> None:
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...]]:
         if self._decode is None:
             joints = _joint_names(raw) or ['x']
             self.names = [f'{self._kind}.{joint}{rate}' for rate in (
                 '', *('.' + rate for rate in RATES[self._kind])) for joint in joints]
             self._decode = _joint_rows(joints) if self._kind == 'joint' else _points(joints)
-        stamp_ns, row = self._decode(raw)
-        self.rows.setdefault(stamp_ns, row)
+        found: tuple[int, tuple[float, ...]] = self._decode(raw)
+        return found
 
 
 def _joint_names(raw: bytes) -> list[str]:

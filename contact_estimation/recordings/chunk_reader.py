@@ -29,38 +29,20 @@ _DESCRIPTIONS = {int(Opcode.SCHEMA): Schema, int(Opcode.CHANNEL): Channel}
 
 
 class RecordedMessage(NamedTuple):
-    """
-    One message of a recording.
+    """One message of a recording."""
 
-    Attributes
-    ----------
-    topic : str
-        Its topic, as requested.
-    log_time_ns : int
-        When it was received [ns].
-    data : bytes
-        CDR with its encapsulation header.
-
-    """
-
-    topic: str
-    log_time_ns: int
-    data: bytes
+    topic: str  # its topic, as requested
+    log_time_ns: int  # when it was received [ns]
+    data: bytes  # CDR with its encapsulation header
 
 
 class Channels:
     """
     The channels of one file, as far as they are known.
 
-    Attributes
-    ----------
-    types : dict of str to str
-        Type of each topic found so far.
-    definitions : dict of str to str
-        Of each type found so far.
-    handed_out : dict of int to str
-        The wanted channels and the topic to hand out for their messages.
-
+    types: type of each topic found so far
+    definitions: of each type found so far
+    handed_out: the wanted channels and the topic to hand out for their messages
     """
 
     def __init__(self, wanted: Mapping[str, str] | None = None) -> None:
@@ -85,23 +67,11 @@ class Channels:
 
 
 class Walk(NamedTuple):
-    """
-    Result of walking over records.
+    """Result of walking over records."""
 
-    Attributes
-    ----------
-    messages : list of RecordedMessage
-        The wanted messages.
-    end : int
-        Place of the first record that was not walked over.
-    last : int
-        Place of the last record that was.
-
-    """
-
-    messages: list[RecordedMessage]
-    end: int
-    last: int
+    messages: list[RecordedMessage]  # the wanted messages
+    end: int  # place of the first record that was not walked over
+    last: int  # place of the last record that was
 
 
 def walk(data: bytes, channels: Channels) -> Walk:

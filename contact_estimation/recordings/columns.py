@@ -91,25 +91,13 @@ def signals_of_columns(
     """
     Find the signals of a table.
 
-    Parameters
-    ----------
-    columns : dict of str to ndarray, shape (N,)
-        As of `read_columns`.
-    chosen : mapping of str to str
-        Column by signal, one of `KEYS`; a minus before the column changes its sign. `t` may be a
-        rate, such as '500Hz'. Signals that are not given are found by name.
-    units : sequence of str
-        Units of all columns whose name has none in brackets, such as 'mm'; SI by default.
-    where : str
-        Name of the table, for errors.
-
-    Returns
-    -------
-    stamp_ns : ndarray of int64, shape (N,)
-        Time of each row [ns].
-    signals : dict of str to ndarray, shape (N,)
-        By key without `t`, in SI units; NaN where a row has none.
-
+    columns (N,): as of `read_columns`
+    chosen: column by signal, one of `KEYS`; a minus before the column changes its sign. `t` may be
+    a rate, such as '500Hz'. Signals that are not given are found by name
+    units: units of all columns whose name has none in brackets, such as 'mm'; SI by default
+    where: name of the table, for errors
+    Returns stamp_ns (N,): time of each row [ns]
+    Returns signals (N,): by key without `t`, in SI units; NaN where a row has none
     """
     general = _general(units)
     sources = columns_of_signals(columns, chosen, where)
@@ -131,9 +119,7 @@ def signals_of_columns(
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
 
 
-def columns_of_signals(
-    columns: Columns, chosen: Mapping[str, str], where: str
-) -> dict[str, str]:
+def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
     """Choose the column of each signal."""
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for key, column in chosen.items():

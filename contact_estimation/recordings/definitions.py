@@ -12,20 +12,10 @@ from ..exceptions import MissingPackageError, RecordingError
 
 
 class MessageDefinition(NamedTuple):
-    """
-    What a recording says about a message type.
+    """What a recording says about a message type."""
 
-    Attributes
-    ----------
-    text : str
-        The .msg text followed by those of all types it contains ('ros2msg' encoding).
-    type_hash : str
-        RIHS01 hash of the type description.
-
-    """
-
-    text: str
-    type_hash: str
+    text: str  # the .msg text followed by those of all types it contains ('ros2msg' encoding)
+    type_hash: str  # RIHS01 hash of the type description
 
 
 @functools.lru_cache(maxsize=None)
@@ -39,9 +29,7 @@ def jazzy_typestore() -> Any:
     try:
         from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
-        raise MissingPackageError.of(
-            'rosbags', 'a recording with message definitions'
-        ) from error
+        raise MissingPackageError.of('rosbags', 'a recording with message definitions') from error
     return get_typestore(Stores.ROS2_JAZZY)
 
 

@@ -36,17 +36,7 @@ class Tare(NamedTuple):
 
 
 def tare_of(t: Array, force: Array, tare: str) -> Tare:
-    """
-    Measure the zero of the force.
-
-    Parameters
-    ----------
-    t, force : ndarray, shape (N,)
-        Time from the first wrench [s] and F_e [N].
-    tare : str
-        'first-free-flight', or the span 'A:B' [s].
-
-    """
+    """Measure the zero of the force [N] over `tare`, a span A:B [s] or FIRST."""
     if tare == FIRST:
         begin, end = _first_free_flight(t, force)
     else:

@@ -9,7 +9,7 @@ import hashlib
 import os
 from pathlib import Path
 
-from .bag_metadata import FILE_NAME
+from .bag_folder import FILE_NAME
 
 _SUFFIXES = ('.mcap', '.db3', '.zstd', '.bag')
 _MAGIC = (b'\x89MCAP0\r\n', b'SQLite format 3', b'\x28\xb5\x2f\xfd')  # the last: Zstandard

@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Messages, topics and metadata of one MCAP file, complete or cut."""
+"""Messages, topics and metadata of one MCAP file, complete, cut, or still growing."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from copy import copy
 from functools import cached_property
 from pathlib import Path
 from struct import Struct
-from typing import BinaryIO, Collection, Iterator, Mapping
+from typing import BinaryIO, Collection, Iterable, Iterator, Mapping
 
 from mcap.opcode import Opcode
 from mcap.records import Metadata
 
 from .chunk_reader import Channels, parsed, read_chunk, RecordedMessage, walk
-from .mcap_summary import read_summary, Summary
-from .record_scanner import MAGIC, Record, RECORD_HEAD, RecordScanner
+from .mcap_records import ENDS, MAGIC, read_summary, Record, RECORD_HEAD, RecordScanner, Summary
 from .topic_names import canonical
 from ..exceptions import RecordingError
 from ..texts import LFS_POINTER
@@ -32,19 +31,11 @@ class McapFile:
     """
     Read one file, which is opened anew for each pass.
 
-    Attributes
-    ----------
-    size : int
-        Bytes at the time of opening.
-    position : int
-        End of the bytes read in the current or last pass over the messages.
-    damaged : int
-        Chunks and records skipped in that pass.
-    definitions : dict of str to str
-        Of the types found by the last search for topics.
-    hidden : int
-        Those skipped in the last search for topics, some of which they may describe.
-
+    size: bytes at the time of opening
+    position: end of the bytes read in the current or last pass over the messages
+    damaged: chunks and records skipped in that pass
+    definitions: of the types found by the last search for topics
+    hidden: those skipped in the last search for topics, some of which they may describe
     """
 
     def __init__(self, path: Path) -> None:
@@ -201,3 +192,44 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
             f'cannot read recording {path}: {error.strerror}; give an existing .mcap file or '
             'rosbag2 folder and check disk and permissions'
         ) from error
+
+
+class GrowingRecording:
+    """
+    Read the messages that a recorder has flushed since the last call.
+
+    It needs no subscription, so it does not affect the recorded nodes.
+
+    finished: whether the recorder has ended the file
+    """
+
+    def __init__(self, path: Path, topics: Iterable[str]) -> None:
+        self._path, self._position = path, len(MAGIC)
+        self._channels = Channels({canonical(topic): topic for topic in topics})
+        self.finished = False
+
+    def new_messages(self) -> list[RecordedMessage]:
+        """Return what has been added."""
+        file = self._file()
+        if file is None:
+            return []
+        messages: list[RecordedMessage] = []
+        with open(file, 'rb') as stream:
+            size = stream.seek(0, 2)
+            if size < self._position:
+                return []
+            scanner = RecordScanner(stream, size)
+            scanner.move(self._position, self._position)
+            for record in scanner:
+                if record.opcode == Opcode.CHUNK:
+                    messages += read_chunk(scanner.content(record), self._channels) or []
+                self._position = record.end
+            end = scanner.read(self._position, self._position + 1)
+            self.finished = bool(end) and end[0] in ENDS
+        return messages
+
+    def _file(self) -> Path | None:
+        """Return the file that is written; None before its begin."""
+        if not self._path.is_dir():
+            return self._path if self._path.is_file() else None
+        return next(iter(sorted(self._path.glob('*.mcap'))), None)

@@ -29,13 +29,8 @@ class RecordingReader:
     Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
     chunks are skipped and counted.
 
-    Attributes
-    ----------
-    path : Path
-        As given.
-    truncated : bool
-        A file lacks its end: the recorder was killed or still records.
-
+    path: as given
+    truncated: A file lacks its end: the recorder was killed or still records
     """
 
     def __init__(self, path: Path | str, source: RecordingSource | None = None) -> None:
@@ -95,9 +90,7 @@ class RecordingReader:
         """Read messages one by one."""
         return (message for batch in self.batches(topics) for message in batch)
 
-    def batches(
-        self, topics: Collection[str] | None = None
-    ) -> Iterator[list[RecordedMessage]]:
+    def batches(self, topics: Collection[str] | None = None) -> Iterator[list[RecordedMessage]]:
         """Read messages chunk by chunk, which is faster than one by one."""
         wanted, changes = None, {}
         if topics is not None:

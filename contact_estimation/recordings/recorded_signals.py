@@ -27,24 +27,13 @@ _RATE_SAMPLES = 2000
 
 @dataclass(frozen=True)
 class Signal:
-    """
-    One topic of the contact axis, sorted by stamp, without non-finite samples.
+    """One topic of the contact axis, sorted by stamp, without non-finite samples."""
 
-    Attributes
-    ----------
-    stamp_ns : ndarray of int64, shape (N,)
-        Header stamps [ns], strictly increasing.
-    values : ndarray, shape (n, N)
-        wrench: F_e [N]; joint_states: x [m] and its rate [m/s], NaN where not recorded;
-        reference_trajectory: x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
-    back_ns : int
-        By how much a stamp lay before that of an earlier message, at most [ns].
-
-    """
-
-    stamp_ns: NDArray[np.int64]
+    stamp_ns: NDArray[np.int64]  # (N,) header stamps [ns], strictly increasing
+    # (n, N) wrench: F_e [N]; joint_states: x [m] and its rate [m/s], NaN where not recorded;
+    # reference_trajectory: x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]
     values: NDArray[np.float64]
-    back_ns: int = 0
+    back_ns: int = 0  # by how much a stamp lay before that of an earlier message, at most [ns]
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -53,27 +42,14 @@ class Signal:
 
 @dataclass(frozen=True)
 class RecordedSignals:
-    """
-    The signals of the contact axis in a recording.
+    """The signals of the contact axis in a recording."""
 
-    Attributes
-    ----------
-    wrench, joint_states : Signal
-        Never empty.
-    reference_trajectory : Signal
-        Empty where none was recorded.
-    frame_id : str
-        Frame of the wrench.
-    tare : Tare or None
-        What was subtracted from the force.
-
-    """
-
+    # wrench, joint_states: never empty
     wrench: Signal
     joint_states: Signal
-    reference_trajectory: Signal
-    frame_id: str
-    tare: Tare | None = None
+    reference_trajectory: Signal  # empty where none was recorded
+    frame_id: str  # frame of the wrench
+    tare: Tare | None = None  # what was subtracted from the force
 
 
 def read_signals(
@@ -97,22 +73,9 @@ def read_rows(
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
-    # Arrays of plain numbers: hours at 1 kHz are millions of messages.
-    stamps = {name: array('q') for name in decode}
-    rows = {name: array('d') for name in decode}
-    refused: dict[str, str] = {}
-    for topic, _, data in reader.messages(asked):
-        try:
-            found = decode[topic](data)
-        except MessageError as error:
-            refused[topic] = f': {error}'
-            continue
-        for row in found if isinstance(found, list) else [found] if found else ():
-            stamps[topic].append(row[0])
-            rows[topic].extend(row[1])
-        if len(stamps[asked[0]]) == most_samples:
-            break
-    signals = [stacked(stamps[name], rows[name], width) for name, width in zip(decode, widths)]
+    rows, refused = gather(reader, {name: decode[name] for name in asked}, most_samples)
+    signals = [stacked(*rows.get(name, (array('q'), array('d'))), width)
+               for name, width in zip(decode, widths)]
     for name, signal in zip(list(decode)[:-1], signals):
         if not len(signal):
             raise RecordingError(
@@ -122,15 +85,43 @@ def read_rows(
     return signals
 
 
+def gather(
+    reader: RecordingReader,
+    decode: Mapping[str, Callable[[bytes], Row | list[Row] | None]],
+    most_samples: int | None = None,
+) -> tuple[dict[str, tuple[array[int], array[float]]], dict[str, str]]:
+    """
+    Decode topics in one pass.
+
+    most_samples: of the first topic, at which it ends
+    Returns rows: stamps [ns] and values of each topic, sample by sample
+    Returns refused: why the last message that could not be decoded was refused, by topic
+    """
+    # Arrays of plain numbers: hours at 1 kHz are millions of messages.
+    rows = {name: (array('q'), array('d')) for name in decode}
+    refused: dict[str, str] = {}
+    first = rows[next(iter(decode))][0]
+    for topic, _, data in reader.messages(list(decode)):
+        try:
+            found = decode[topic](data)
+        except MessageError as error:
+            refused[topic] = f': {error}'
+            continue
+        stamps, values = rows[topic]
+        for row in found if isinstance(found, list) else [found] if found else ():
+            stamps.append(row[0])
+            values.extend(row[1])
+        if len(first) == most_samples:
+            break
+    return rows, refused
+
+
 def wrench_rate(reader: RecordingReader, topic: str) -> float:
     """
     Measure the rate of the wrench, or of what it comes from, by the stamps of its messages.
 
-    Returns
-    -------
-    rate : float
-        Inverse of the median period of 2000 messages [Hz]; NaN where stamps do not increase.
-
+    Returns rate: inverse of the median period of 2000 messages [Hz]; NaN where stamps do not
+    increase
     """
     first = islice(reader.messages([topic]), _RATE_SAMPLES)
     stamps = [header_stamp_ns(message.data) or 0 for message in first]
@@ -172,15 +163,9 @@ def stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
     """
     Return samples as a signal, without non-finite ones and all but the first of equal stamps.
 
-    Parameters
-    ----------
-    stamps : array of int
-        Stamps of N samples [ns], in any order.
-    rows : array of float
-        Their values, sample by sample.
-    width : int
-        Values of each sample; one whose first is not finite is left out.
-
+    stamps: stamps of N samples [ns], in any order
+    rows: their values, sample by sample
+    width: values of each sample; one whose first is not finite is left out
     """
     stamp_ns = np.array(stamps, np.int64)
     values = np.array(rows, np.float64).reshape(-1, width)

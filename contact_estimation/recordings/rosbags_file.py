@@ -15,7 +15,7 @@ from typing import Any, Collection, Iterator, Mapping
 from mcap import stream_reader
 
 from .chunk_reader import RecordedMessage
-from .mcap_summary import Summary
+from .mcap_records import Summary
 from .topic_names import canonical
 from ..exceptions import MissingPackageError, RecordingError
 
@@ -31,17 +31,10 @@ class RosbagsFile:
 
     Such recordings are read when complete only, and hold no metadata records.
 
-    Attributes
-    ----------
-    size, position : int
-        Number of messages, and of those read in the current pass.
-    definitions : dict of str to str
-        Of each type.
-    damaged, hidden : int
-        Always 0: damage is an error.
-    summary : Summary
-        Says that the recording is complete.
-
+    size, position: number of messages, and of those read in the current pass
+    definitions: of each type
+    damaged, hidden: always 0: damage is an error
+    summary: says that the recording is complete
     """
 
     def __init__(self, path: Path) -> None:
@@ -59,7 +52,6 @@ class RosbagsFile:
             self._empty = reader.message_count == 0
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
-        """Read the messages in the order of their log times; see `McapFile.batches`."""
         self.position = 0
         with self._opened() as reader:
             names = {c.id: (c.topic if wanted is None else wanted[canonical(c.topic)])
@@ -68,8 +60,7 @@ class RosbagsFile:
             chosen = [c for c in reader.connections if c.id in names]
             batch: list[RecordedMessage] = []
             for connection, log_time_ns, data in reader.messages(chosen) if chosen else ():
-                batch.append(
-                    RecordedMessage(names[connection.id], int(log_time_ns), bytes(data)))
+                batch.append(RecordedMessage(names[connection.id], int(log_time_ns), bytes(data)))
                 if len(batch) == _BATCH:
                     self.position += len(batch)
                     yield batch

@@ -15,45 +15,28 @@ TOPICS = ('wrench', 'joint_states', 'reference_trajectory', 'robot_description',
 
 @dataclass(frozen=True)
 class RecordingSource:
-    """
-    Topics or columns of a recording that hold the contact signals, and how they are read.
+    """Topics or columns of a recording that hold the contact signals, and how they are read."""
 
-    Attributes
-    ----------
-    wrench, joint_states, reference_trajectory : str
-        Topics.
-    robot_description : str
-        Topic of the URDF of an arm.
-    tf, tf_static : str
-        Topics of the transforms of frames.
-    events : str
-        Topic of the estimator node's events.
-    columns : mapping of str to str
-        Of a table: column by signal, such as {'t': 'time', 'wrench.force.z': 'Fz'}; others are
-        found by name.
-    units : sequence of str
-        Of a table: units of its columns, such as ('mm', 'N'); SI by default.
-    stamps : str
-        'header', or 'received' for the time at which the bag received each message.
-    wrench_field : str
-        Where messages that are no WrenchStamped hold force and torque, such as 'data[0:6]'.
-    tare : str
-        When the force is zero: 'first-free-flight', or a span 'A:B' [s from the first wrench];
-        '': as recorded. Used where the force along the contact axis is known.
-
-    """
-
+    # wrench, joint_states, reference_trajectory: topics
     wrench: str = 'wrench'
     joint_states: str = 'joint_states'
     reference_trajectory: str = 'reference_trajectory'
-    robot_description: str = 'robot_description'
+    robot_description: str = 'robot_description'  # topic of the URDF of an arm
+    # tf, tf_static: topics of the transforms of frames
     tf: str = 'tf'
     tf_static: str = 'tf_static'
-    events: str = 'estimator_node/events'
+    events: str = 'estimator_node/events'  # topic of the estimator node's events
+    # of a table: column by signal, such as {'t': 'time', 'wrench.force.z': 'Fz'}; others are found
+    # by name
     columns: Mapping[str, str] = field(default_factory=dict)
+    # of a table: units of its columns, such as ('mm', 'N'); SI by default
     units: tuple[str, ...] = ()
+    # 'header', or 'received' for the time at which the bag received each message
     stamps: str = 'header'
+    # where messages that are no WrenchStamped hold force and torque, such as 'data[0:6]'
     wrench_field: str = ''
+    # when the force is zero: 'first-free-flight', or a span 'A:B' [s from the first wrench]; '':
+    # as recorded. Used where the force along the contact axis is known.
     tare: str = ''
 
     @classmethod
@@ -61,23 +44,9 @@ class RecordingSource:
         """
         Return the source with other topics than the default ones.
 
-        Parameters
-        ----------
-        topics : mapping of str to str
-            Recorded topic by its name here, one of `TOPICS`.
-        **reading
-            Attributes that are no topics.
-
-        Returns
-        -------
-        source : RecordingSource
-            A topic that is not given keeps its default.
-
-        Raises
-        ------
-        UnknownNameError
-            If a name is not one of `TOPICS`.
-
+        topics: recorded topic by its name here, one of `TOPICS`
+        **reading: attributes that are no topics
+        Returns source: a topic that is not given keeps its default
         """
         for name in topics:
             if name.strip('/') not in TOPICS:

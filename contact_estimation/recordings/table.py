@@ -39,12 +39,8 @@ def read_columns(path: Path) -> Columns:
     """
     Read all columns of numbers.
 
-    Returns
-    -------
-    columns : dict of str to ndarray, shape (N,)
-        By name, in file order; NaN where a cell is empty. Columns without a header are named
-        '1', '2', ...
-
+    Returns columns (N,): by name, in file order; NaN where a cell is empty. Columns without a
+    header are named '1', '2',
     """
     try:
         if not path.is_file():
@@ -74,8 +70,7 @@ def _csv(path: Path) -> Columns:
         names = _names(head[:first], delimiter, len(_cells(head[first], delimiter)))
         stream.seek(0)
         try:
-            table = np.loadtxt(
-                stream, delimiter=delimiter, skiprows=first, ndmin=2, comments=None)
+            table = np.loadtxt(stream, delimiter=delimiter, skiprows=first, ndmin=2, comments=None)
             columns: Columns = dict(zip(names, table.T))
             for place, name in enumerate(names):
                 if re.search('time|stamp|ns', name, re.I):
@@ -138,9 +133,7 @@ def _names(above: Sequence[str], delimiter: str | None, count: int) -> list[str]
     return names
 
 
-def _cell_by_cell(
-    lines: Iterator[str], delimiter: str | None, names: Sequence[str]
-) -> Columns:
+def _cell_by_cell(lines: Iterator[str], delimiter: str | None, names: Sequence[str]) -> Columns:
     rows = []
     for line in lines:
         cells = _cells(line, delimiter)

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import isnan, nan
 from pathlib import Path
 from typing import Any, Callable, Collection, Iterator, Mapping, Sequence
@@ -15,11 +16,11 @@ from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
-from .mcap_summary import Summary
+from .mcap_records import Summary
 from .source import RecordingSource
 from .table import read_columns
 from .topic_names import canonical
-from ..messages import ForceTorqueEncoder, JointRowEncoder
+from ..messages import encode_arm, ForceTorqueEncoder
 
 _BATCH = 5000  # rows
 FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')
@@ -30,15 +31,7 @@ Rows = NDArray[np.float64]
 
 
 class TableFile:
-    """
-    Read a table with the interface of `McapFile`.
-
-    Attributes
-    ----------
-    columns : dict of str to str
-        Column of each signal.
-
-    """
+    """Read a table with the interface of `McapFile`; columns: column of each signal."""
 
     hidden = damaged = 0
     definitions: Mapping[str, str] = {}
@@ -55,7 +48,6 @@ class TableFile:
         self.size = max(1, len(order))
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
-        """Read the rows as messages, some at a time; see `McapFile.batches`."""
         names = {topic: topic if wanted is None else wanted[canonical(topic)]
                  for topic in self._topics if wanted is None or canonical(topic) in wanted}
         for begin in range(0, len(self._stamp_ns), _BATCH):
@@ -87,19 +79,10 @@ def messages_of(
     """
     Arrange signals as the messages of topics.
 
-    Parameters
-    ----------
-    signals : mapping of str to ndarray, shape (N,)
-        By key, as of `signals_of_columns`.
-    count : int
-        N.
-
-    Returns
-    -------
-    messages : dict of str to (callable, ndarray of shape (N, n))
-        By name of the topic: what encodes stamp and row, and the rows; one that begins with NaN
-        is no message.
-
+    signals (N,): by key, as of `signals_of_columns`
+    count: n
+    Returns messages (N, n): by name of the topic: what encodes stamp and row, and the rows; one
+    that begins with NaN is no message
     """
     force = np.array([signals.get(key, np.zeros(count)) for key in FORCES]).T
     present = [key for key in FORCES if key in signals]
@@ -116,14 +99,14 @@ def messages_of(
             keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in rates))
                     for name in names]
             rows = np.array([signals.get(key, np.full(count, nan)) for key in keys]).T
-            encoder = JointRowEncoder(names, kind == 'reference', efforts)
-            found[topic] = _joined(encoder, len(names)), rows
+            found[topic] = partial(_encode, names, topic), rows
     return found
 
 
-def _joined(encoder: JointRowEncoder, count: int) -> Callable[[int, Sequence[float]], bytes]:
-    """Return the encoder for a row of positions, followed by their rates."""
-    def encode(stamp_ns: int, row: Sequence[float]) -> bytes:
-        return encoder.encode(stamp_ns, *(row[at:at + count] for at in range(0, len(row), count)))
-
-    return encode
+def _encode(names: Sequence[str], topic: str, stamp_ns: int, row: Sequence[float]) -> bytes:
+    """Encode a row of positions, followed by their rates."""
+    count, is_point = len(names), topic == 'reference_trajectory'
+    rows = [row[at:at + count] for at in range(0, len(row), count)]
+    if not is_point and len(rows) < 3:
+        rows.append(())  # no efforts
+    return encode_arm(stamp_ns, names, *rows, point=is_point)

@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writing recordings: a rosbag2 folder or a single MCAP file."""
+"""Writing recordings, a rosbag2 folder or a single MCAP file, in chunks that survive a kill."""
 
 from __future__ import annotations
 
@@ -9,15 +9,101 @@ from contextlib import contextmanager
 from pathlib import Path
 import threading
 from types import TracebackType
-from typing import Iterator
+from typing import BinaryIO, Callable, Iterator
 
+from mcap.writer import CompressionType, Writer
 import yaml
 
-from .bag_metadata import bag_information, RecordedTopic, write_bag_metadata
-from .chunk_writer import ChunkWriter
+from .bag_folder import bag_information, OfferedQos, RecordedTopic, write_bag_metadata
 from .definitions import message_definition
-from .qos import OfferedQos
 from ..exceptions import RecordingError
+
+CHUNK_BYTES = 64 * 1024
+CHUNK_SPAN_NS = 500_000_000
+
+_MESSAGE_RECORD_BYTES = 31  # opcode, length, channel, sequence and two times
+_OTHER_RECORD_BYTES = 128  # at least what a schema or channel record adds to its texts
+
+
+class ChunkWriter:
+    """
+    Write messages in chunks that are small in bytes and short in time.
+
+    SIGKILL destroys only the chunk in progress: at most 0.5 s of log time.
+
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self._writer = Writer(stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        self._finish_chunk = _chunk_finisher(self._writer)
+        self._schemas: dict[str, int] = {}
+        self._bytes = 0
+        self._start_ns: int | None = None
+        self._writer.start(profile='ros2', library='contact_estimation')
+        stream.flush()
+
+    def add_topic(
+        self, topic: str, type_name: str, definition: str, metadata: dict[str, str]
+    ) -> int:
+        """Register a topic whose messages are CDR; return its channel."""
+        schema = self._schemas.get(type_name)
+        if schema is None:
+            schema = self._writer.register_schema(type_name, 'ros2msg', definition.encode())
+            self._schemas[type_name] = schema
+        self._bytes += len(definition) + sum(map(len, metadata.values())) + _OTHER_RECORD_BYTES
+        return self._writer.register_channel(topic, 'cdr', schema, metadata)
+
+    def add_message(
+        self, channel: int, log_time_ns: int, publish_time_ns: int, data: bytes
+    ) -> None:
+        """Write a message and finish the chunk if it is full or long enough."""
+        self._writer.add_message(channel, log_time_ns, data, publish_time_ns)
+        self._bytes += len(data) + _MESSAGE_RECORD_BYTES
+        if self._start_ns is None:
+            self._start_ns = log_time_ns
+        # Absolute value: the clock of a simulation jumps back when the simulation restarts.
+        span = abs(log_time_ns - self._start_ns)
+        if self._bytes > CHUNK_BYTES or span >= CHUNK_SPAN_NS:
+            self.flush()
+
+    def add_metadata(self, name: str, values: dict[str, str]) -> None:
+        """Write a metadata record."""
+        self._writer.add_metadata(name, values)
+        self._stream.flush()
+
+    def flush(self) -> None:
+        """Finish the chunk in progress and hand it to the operating system."""
+        if self._start_ns is None:
+            return
+        self._finish_chunk()
+        self._stream.flush()
+        self._bytes = 0
+        self._start_ns = None
+
+    def close(self) -> None:
+        """Write the summary and close the file."""
+        self._writer.finish()
+        self._stream.close()
+
+
+def _chunk_finisher(writer: Writer) -> Callable[[], None]:
+    """
+    Find how to end a chunk early.
+
+    Older versions of the package mcap have a private method instead of `Writer.flush`. Without
+    either, chunks end at 64 KiB, and a kill at a low message rate loses more than 0.5 s.
+
+    """
+    public = getattr(writer, 'flush', None)
+    if public is not None:
+        return public
+    return getattr(writer, '_Writer__finalize_chunk', _nothing)
+
+
+def _nothing() -> None:
+    """Leave ending chunks to the writer."""
+
 
 _DEFAULT_QOS = OfferedQos()
 
@@ -28,11 +114,7 @@ class RecordingWriter:
 
     Methods may be called from several threads: a timer flushes while another thread writes.
 
-    Attributes
-    ----------
-    path : Path
-        The .mcap file.
-
+    path: the .mcap file
     """
 
     def __init__(self, path: Path, bag_folder: Path | None) -> None:
@@ -78,21 +160,12 @@ class RecordingWriter:
         """
         Write one message; the first of a topic registers the topic.
 
-        Parameters
-        ----------
-        topic : str
-            Name of the topic.
-        type_name : str
-            Such as 'geometry_msgs/msg/WrenchStamped'.
-        data : bytes
-            CDR with its encapsulation header.
-        log_time_ns : int
-            Time of reception [ns].
-        publish_time_ns : int, optional
-            Time of publication [ns]; the log time by default.
-        qos : OfferedQos, optional
-            Quality of service of the publisher; only that of the first message of a topic is used.
-
+        topic: name of the topic
+        type_name: such as 'geometry_msgs/msg/WrenchStamped'
+        data: CDR with its encapsulation header
+        log_time_ns: time of reception [ns]
+        publish_time_ns: time of publication [ns]; the log time by default
+        qos: quality of service of the publisher; only that of the first message of a topic is used
         """
         with self._writing():
             self._require_open()

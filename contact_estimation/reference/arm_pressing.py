@@ -23,23 +23,13 @@ def pressing_motion(
     """
     Return a motion that presses several times, with tones, and moves aside along the wall.
 
-    Parameters
-    ----------
-    arm : ArmDynamics
-        With n joints.
-    frame : str
-        Link that presses; it does not turn.
-    q : ndarray, shape (n,)
-        Where it begins.
-    normal : ndarray, shape (3,)
-        Unit vector into the wall.
-    rng : Generator
-        Of the tones.
-    depth, excitation : float
-        How far the path goes beyond its begin, and the size of the tones [m].
-    duration, rate : float
-        [s], [Hz].
-
+    arm: with n joints
+    frame: link that presses; it does not turn
+    q (n,): where it begins
+    normal (3,): unit vector into the wall
+    rng: of the tones
+    depth, excitation: how far the path goes beyond its begin, and the size of the tones [m]
+    duration, rate: [s], [Hz]
     """
     t = np.arange(0.0, duration, 1.0 / rate)
     within = t % _PERIOD_S
@@ -55,7 +45,6 @@ def pressing_motion(
     for step in np.diff(path, axis=0):
         here = followed[-1]
         twist = np.concatenate([arm.pose(here, frame)[0].T @ step, np.zeros(3)])
-        followed.append(here + np.linalg.pinv(
-            arm.jacobian(here[None], frame)[0], _DAMPED) @ twist)
+        followed.append(here + np.linalg.pinv(arm.jacobian(here[None], frame)[0], _DAMPED) @ twist)
     v = np.gradient(np.array(followed), t, axis=0)
     return ArmTrajectory(t, np.array(followed), v, np.gradient(v, t, axis=0), np.nan)

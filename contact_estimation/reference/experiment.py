@@ -24,11 +24,7 @@ class Excitation(ABC):
 
     @abstractmethod
     def value(self, t: float) -> float:
-        """
-        Return the value of the signal.
-
-        t: time of the experiment [s]
-        """
+        """Return the value of the signal; t: time of the experiment [s]."""
 
     @abstractmethod
     def rates(self, t: float) -> tuple[float, float]:
@@ -41,21 +37,15 @@ class Excitation(ABC):
 
 
 class Sine(Excitation):
-    """
-    Eqs. (40) and (41): amplitude sin(omega t).
-
-    omega: angular frequency [rad/s]
-    """
+    """Eqs. (40) and (41): amplitude sin(omega t); omega: angular frequency [rad/s]."""
 
     def __init__(self, amplitude: float, omega: float) -> None:
         self.amplitude, self.omega = amplitude, omega
 
     def value(self, t: float) -> float:
-        """Return the value; see `Excitation.value`."""
         return self.amplitude * sin(self.omega * t)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Return the derivatives; see `Excitation.rates`."""
         w = self.omega
         return self.amplitude * w * cos(w * t), -w * w * self.value(t)
 
@@ -81,11 +71,9 @@ class Multisine(Excitation):
         self._scale = amplitude / float(np.max(np.abs(total)))
 
     def value(self, t: float) -> float:
-        """Return the value; see `Excitation.value`."""
         return self._scale * sum(sin(w * t + p) for w, p in self._parts)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Return the derivatives; see `Excitation.rates`."""
         return (
             self._scale * sum(w * cos(w * t + p) for w, p in self._parts),
             -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts),
@@ -105,14 +93,12 @@ class PseudoRandomBinary(Excitation):
         self.amplitude, self.shift_rate = amplitude, shift_rate
 
     def value(self, t: float) -> float:
-        """Return the value; see `Excitation.value`."""
         bits = register_sequence()
         # The epsilon places a stamp that is a rounding error before a shift after it.
         bit = bits[int(t * self.shift_rate + 1e-6) % len(bits)]
         return self.amplitude if bit else -self.amplitude
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Return the derivatives; see `Excitation.rates`."""
         return 0.0, 0.0
 
 

@@ -63,8 +63,7 @@ def _segment_entry(segment: Segment) -> dict[str, Any]:
 def _excitation_entry(excitation: Excitation) -> dict[str, Any]:
     kind, names = next(
         (kind, names) for kind, (make, names) in _EXCITATIONS.items() if type(excitation) is make)
-    return {'kind': kind,
-            **{key: getattr(excitation, name) for key, name in names.items()}}
+    return {'kind': kind, **{key: getattr(excitation, name) for key, name in names.items()}}
 
 
 def _segment(entry: Any, path: Path) -> Segment:
@@ -155,24 +154,12 @@ def manoeuvre(
     """
     Return the manoeuvre of the paper: approach, press, withdraw.
 
-    Parameters
-    ----------
-    name : str
-        Name of the experiment.
-    force_excitation : Excitation or None
-        Added to F_d while a force is prescribed [N], eq. (40).
-    position_excitation : Excitation or None
-        Added to x_d from the approach to the end of the withdrawal [m], eq. (41).
-    hold_s : float
-        Duration of the hold [s].
-    force : float
-        F_d [N]; NaN: no force prescribed, eq. (1) alone.
-
-    Returns
-    -------
-    experiment : Experiment
-        Lasts 10 s plus `hold_s`.
-
+    name: name of the experiment
+    force_excitation: added to F_d while a force is prescribed [N], eq. (40)
+    position_excitation: added to x_d from the approach to the end of the withdrawal [m], eq. (41)
+    hold_s: duration of the hold [s]
+    force: F_d [N]; NaN: no force prescribed, eq. (1) alone
+    Returns experiment: lasts 10 s plus `hold_s`
     """
     pressing: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
     if force == force:
@@ -196,11 +183,7 @@ def rich() -> Experiment:
 
     No force is prescribed, eq. (1) alone: suited to recordings for `diagnose`.
 
-    Returns
-    -------
-    experiment : Experiment
-        Lasts 15.8 s.
-
+    Returns experiment: lasts 15.8 s
     """
     away = -0.02
 

@@ -25,9 +25,7 @@ class PoseLimits(ParameterGroup):
         (-10.0, -10.0, -10.0), 'Lower corner of the box, in the frame of kinematics.base, in '
         'which targets may lie', 'm',
     )
-    upper: tuple[float, ...] = parameter(
-        (10.0, 10.0, 10.0), 'Upper corner of that box', 'm',
-    )
+    upper: tuple[float, ...] = parameter((10.0, 10.0, 10.0), 'Upper corner of that box', 'm')
 
     def __post_init__(self) -> None:
         """Check that the box is not empty."""

@@ -77,9 +77,7 @@ class ReferenceGenerator:
     limited: whether a limit keeps the last reference away from what it should be
     """
 
-    def __init__(
-        self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
-    ) -> None:
+    def __init__(self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3) -> None:
         self._law, self._p, self._period_s = law, parameters, period_s
         refuse_double_tracking(law, parameters.robot_force_tracking)
         self.reset()
@@ -101,9 +99,7 @@ class ReferenceGenerator:
         """
         self._last, self._resting = Reference(position, 0.0, 0.0), None
 
-    def configure(
-        self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
-    ) -> None:
+    def configure(self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3) -> None:
         """Change law or limits while running; x_r stays continuous."""
         refuse_double_tracking(law, parameters.robot_force_tracking)
         if law != self._law or parameters != self._p:
@@ -221,8 +217,7 @@ def limited(
         position = before + copysign(most, step)  # and on at the same rate, at most `speed`
         velocity, acceleration = copysign(min(speed, most / period), step), 0.0
     if velocity != 0.0 or acceleration != 0.0:
-        velocity, acceleration = _rates(
-            position, velocity, acceleration, period, speed, deepest)
+        velocity, acceleration = _rates(position, velocity, acceleration, period, speed, deepest)
     return Reference(position, velocity, acceleration, force)
 
 

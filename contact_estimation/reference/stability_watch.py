@@ -38,11 +38,7 @@ class StabilityWatch:
     """
     Judge the gains again where the wall, or what is known of it, has changed.
 
-    Attributes
-    ----------
-    gains : StableGains or None
-        As judged last; None while no wall is known.
-
+    gains: as judged last; None while no wall is known
     """
 
     def __init__(self) -> None:
@@ -55,18 +51,11 @@ class StabilityWatch:
         """
         Return the least phase margin within two standard deviations of the wall [deg].
 
-        Parameters
-        ----------
-        robot : StabilityParameters
-            The present gains.
-        K_e, K_e_std, B_e, B_e_std : float
-            The wall and its standard deviations; not finite where nothing is known.
-
-        Returns
-        -------
-        margin : float
-            Negative where the loop is unstable; NaN where it is off or no wall is known.
-
+        robot: the present gains
+        K_e, K_e_std, B_e, B_e_std: the wall and its standard deviations; not finite where nothing
+        is known
+        Returns margin: negative where the loop is unstable; NaN where it is off or no wall is
+        known
         """
         wall = K_e, K_e_std, B_e, B_e_std
         if robot.kind == OFF or not all(map(isfinite, wall)):
@@ -109,7 +98,6 @@ class StabilityWatch:
 def judged(
     robot: StabilityParameters, K_e: float, K_e_std: float, B_e: float, B_e_std: float
 ) -> StableGains:
-    """Return `stable_gains` of a robot on a wall; see `StabilityWatch.take`."""
     own = asdict(robot)
     M_t, B_t, K_t = (own.pop(name) for name in ('mass', 'damping', 'stiffness'))
     return stable_gains(K_e, B_e, M_t=M_t, B_t=B_t, K_t=K_t, K_e_std=K_e_std, B_e_std=B_e_std,

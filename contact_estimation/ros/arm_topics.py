@@ -64,9 +64,7 @@ class ArmTopics:
         if session.arm is not None:
             self._describe(session.description)
 
-    def subscribe(
-        self, data: RawSubscriptions, on_motion: Callable[[bytes], None]
-    ) -> None:
+    def subscribe(self, data: RawSubscriptions, on_motion: Callable[[bytes], None]) -> None:
         """Subscribe to the description, where it is missing, and to tf, where it is installed."""
         of_poses = self._session.parameters.pose_source == 'tf'
         installed = has_transforms()
@@ -78,8 +76,7 @@ class ArmTopics:
         else:
             self._stage.frames.unreadable = NOT_INSTALLED
         if of_poses:
-            data.subscribe(
-                topics.TF, TRANSFORMS_TYPE, topics.INPUT_QOS, on_motion, overrides=True)
+            data.subscribe(topics.TF, TRANSFORMS_TYPE, topics.INPUT_QOS, on_motion, overrides=True)
         if self._session.problem == NO_DESCRIPTION:
             topic = topics.ROBOT_DESCRIPTION
             self._node.create_subscription(

@@ -102,8 +102,7 @@ class RawSubscriptions:
         for subscription, _ in waking:
             wait_set.add_subscription(subscription.handle)
         wait_set.wait(max(0, timeout_ns))
-        ready = [place for place in range(len(waking))
-                 if wait_set.is_ready('subscription', place)]
+        ready = [place for place in range(len(waking)) if wait_set.is_ready('subscription', place)]
         if ready:
             self._take_all(self._quiet)
         for place in ready:

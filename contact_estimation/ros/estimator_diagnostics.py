@@ -98,11 +98,7 @@ class EstimatorDiagnostics:
         self._last_arrival = time.monotonic()
 
     def published(self, stamp_ns: int) -> None:
-        """
-        Note that the outputs for a sample have been published.
-
-        stamp_ns: of the sample [ns]
-        """
+        """Note that the outputs for a sample have been published; stamp_ns: of the sample [ns]."""
         self.processed += 1
         self._latencies_ns.append(self._now_ns() - stamp_ns)
 

@@ -50,11 +50,7 @@ class RecordedRun:
     plant: dict[str, Any] = field(default_factory=dict)
 
     def last_before(self, name: str, t: float) -> float:
-        """
-        Return the last value of a series up to an instant.
-
-        t: time since the start [s]
-        """
+        """Return the last value of a series up to an instant; t: time since the start [s]."""
         series = self.series[name]
         index = int(np.searchsorted(series[:, 0], t + 1e-6, side='right')) - 1
         return float(series[index, 1]) if index >= 0 else float('nan')
@@ -84,40 +80,31 @@ def read_run(recording: Path, plant_summary: Path) -> RecordedRun:
 
 def _decoders(reader: RecordingReader) -> dict[str, Decode]:
     """Return for each recorded topic the function that decodes stamp and values."""
-    wrench, joints = WrenchDecoder(), JointStateDecoder()
-    setpoints, references = TrajectoryDecoder(), TrajectoryDecoder()
-    vector = Vector3StampedDecoder()
+    def fields_of(decoder: Any, **fields: str) -> Decode:
+        def decode(raw: bytes) -> tuple[int, dict[str, float]]:
+            message = decoder.decode(raw)
+            return message.stamp_ns, {name: getattr(message, field)
+                                      for name, field in fields.items()}
 
-    def of_wrench(raw: bytes) -> tuple[int, dict[str, float]]:
-        message = wrench.decode(raw)
-        return message.stamp_ns, {'force': message.force_x}
-
-    def of_joints(raw: bytes) -> tuple[int, dict[str, float]]:
-        message = joints.decode(raw)
-        return message.stamp_ns, {'position': message.position}
-
-    def of_setpoint(raw: bytes) -> tuple[int, dict[str, float]]:
-        message = setpoints.decode(raw)
-        return message.stamp_ns, {'desired': message.position, 'desired_force': message.effort}
-
-    def of_reference(raw: bytes) -> tuple[int, dict[str, float]]:
-        message = references.decode(raw)
-        return message.stamp_ns, {'reference': message.position}
+        return decode
 
     def of_vector(name: str) -> Decode:
+        decoder = Vector3StampedDecoder()
+
         def decode(raw: bytes) -> tuple[int, dict[str, float]]:
-            stamp_ns, x, _, _ = vector.decode(raw)
+            stamp_ns, x, _, _ = decoder.decode(raw)
             return stamp_ns, {name: x}
 
         return decode
 
-    def of_fit(raw: bytes) -> tuple[int, dict[str, float]]:
-        return 0, {'model_fit': decode_float64(raw)}  # has no stamp
-
     decoders: dict[str, Decode] = {
-        '/wrench': of_wrench, '/joint_states': of_joints, '/desired_trajectory': of_setpoint,
-        '/reference_trajectory': of_reference,
-        '/estimator_node/model_fit': of_fit,
+        '/wrench': fields_of(WrenchDecoder(), force='force_x'),
+        '/joint_states': fields_of(JointStateDecoder(), position='position'),
+        '/desired_trajectory': fields_of(
+            TrajectoryDecoder(), desired='position', desired_force='effort'),
+        '/reference_trajectory': fields_of(TrajectoryDecoder(), reference='position'),
+        # It has no stamp.
+        '/estimator_node/model_fit': lambda raw: (0, {'model_fit': decode_float64(raw)}),
         **{f'/estimator_node/{name}': of_vector(name) for name in _ESTIMATES},
     }
     recorded = reader.topics()

@@ -51,9 +51,7 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
         return message  # rclpy's own range check would refuse NaN
     if isinstance(spec.default, float):
         high = LARGEST if spec.maximum is None else spec.maximum  # as `check` accepts
-        message.floating_point_range = [
-            FloatingPointRange(from_value=spec.minimum, to_value=high)
-        ]
+        message.floating_point_range = [FloatingPointRange(from_value=spec.minimum, to_value=high)]
     elif type(spec.default) is int:
         high = _LARGEST_INTEGER if spec.maximum is None else int(spec.maximum)
         message.integer_range = [IntegerRange(from_value=int(spec.minimum), to_value=high)]
@@ -68,8 +66,7 @@ def serve_changes(
     """Apply changes of ROS parameters at run time."""
 
     def on_set(parameters: list[Any]) -> SetParametersResult:
-        changes = {p.name: _plain(p.value) for p in parameters
-                   if not p.name.startswith(_OF_RCLPY)}
+        changes = {p.name: _plain(p.value) for p in parameters if not p.name.startswith(_OF_RCLPY)}
         try:
             change(changes)
         except ContactEstimationError as error:

@@ -39,11 +39,7 @@ class PlantStatistics:
         self._last_contact: int | None = None
 
     def sent(self, k: int, true_force: float) -> None:
-        """
-        Note that a sample is being sent.
-
-        true_force: F_e before the sensor [N]
-        """
+        """Note that a sample is being sent; true_force: F_e before the sensor [N]."""
         self._sent.append(time.perf_counter_ns())
         if true_force < 0.0:
             self._last_contact = k

@@ -168,9 +168,7 @@ def _deliver(node: Node) -> None:
         publisher.wait_for_all_acked(Duration(seconds=max(0.0, give_up - time.monotonic())))
 
 
-def help_text(
-    purpose: str, known: Iterable[ParameterSpecification], topic: str = ''
-) -> str:
+def help_text(purpose: str, known: Iterable[ParameterSpecification], topic: str = '') -> str:
     """Write the help of a node."""
     remapping = f' -r {topic}:=/my/{topic}' if topic else ''
     lines = [

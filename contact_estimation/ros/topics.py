@@ -35,32 +35,22 @@ INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 OUTPUT_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 """Deep, so that what a recorder missed while it had no CPU can be sent to it again."""
 
-DESCRIPTION_QOS = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+
+def _latched(depth: int) -> QoSProfile:
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE,
+                      durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+DESCRIPTION_QOS = _latched(1)
 """As of robot_state_publisher, which publishes the description once."""
 
-EVENTS_QOS = QoSProfile(
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+EVENTS_QOS = _latched(1000)
 """A late recorder still receives the initial parameters and every change since."""
 
-STATUS_QOS = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+STATUS_QOS = _latched(1)
 """The status is published on change: a late subscriber receives the last one."""
 
-TF_STATIC_QOS = QoSProfile(
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+TF_STATIC_QOS = _latched(100)
 """As of tf2: every publisher of static transforms publishes once."""
 
 

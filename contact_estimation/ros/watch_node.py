@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Any, Callable, Sequence
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
@@ -20,8 +20,7 @@ from .running import run_node
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
 from ..watch.live import LiveContact
-from ..watch.show import show
-from ..watch.view import ContactView
+from ..watch.view import ContactView, show
 
 PURPOSE = 'watch_node: show a running estimator in Rerun'
 _FLUSH_S = 0.1
@@ -29,9 +28,6 @@ _NICENESS = 10
 
 # Best effort: the estimator waits for no acknowledgement of a spectator.
 _QOS = QoSProfile(depth=500, reliability=ReliabilityPolicy.BEST_EFFORT)
-_LATCHED_QOS = QoSProfile(
-    depth=1000, reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -63,7 +59,7 @@ class WatchNode(Node):
         self._live = LiveContact(self._view.log, own.estimator, sparing=True)
         self._data = RawSubscriptions(self)
         for topic, type_name, callback, latched in self._live.subscriptions():
-            self._data.subscribe(topic, type_name, _LATCHED_QOS if latched else _QOS,
+            self._data.subscribe(topic, type_name, topics.EVENTS_QOS if latched else _QOS,
                                  self._locked(callback))
         self._thread = DataThread(self._data, self._failed)
         self.create_timer(_FLUSH_S, self._flush)

@@ -53,9 +53,7 @@ class ContactRecording:
     def of(cls, samples: Sequence[ContactSample]) -> 'ContactRecording':
         """Return samples stacked into arrays."""
         columns = list(zip(*samples)) or [(), (), (), ()]
-        return cls(
-            np.array(columns[0], np.int64), *(np.array(c, np.float64) for c in columns[1:])
-        )
+        return cls(np.array(columns[0], np.int64), *(np.array(c, np.float64) for c in columns[1:]))
 
     @property
     def t(self) -> NDArray[np.float64]:

@@ -122,8 +122,7 @@ def smoothed_rate(
     """
     if len(values) < _LEAST:
         return np.gradient(values, period_s) if len(values) > 1 else np.zeros(len(values))
-    window = min(2 * max(_LEAST // 2, round(0.5 * window_s / period_s)) + 1,
-                 (len(values) - 1) | 1)
+    window = min(2 * max(_LEAST // 2, round(0.5 * window_s / period_s)) + 1, (len(values) - 1) | 1)
     weights, half = _weights(window), window // 2
     inner = np.convolve(values, weights[half, ::-1], 'valid')
     ends = weights[:half] @ values[:window], weights[half + 1:] @ values[-window:]

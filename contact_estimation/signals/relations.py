@@ -58,11 +58,9 @@ class VelocityRelation(Relation):
     """Eq. (7): F = K_e delta + B_e v; from differences where no velocity is measured."""
 
     def leave(self) -> None:
-        """Forget the sample before; see `Relation.leave`."""
         self._last: tuple[float, float] | None = None
 
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
-        """Build (y, phi_K, phi_B, phi_c, 0); see `Relation.row`."""
         last, self._last = self._last, (delta, pressing)
         if velocity == velocity:
             return pressing, delta, velocity, 1.0, 0.0
@@ -93,12 +91,10 @@ class TustinRelation(Relation):
         self._per_T2 = 1.0 / sample_period_s**2
 
     def leave(self) -> None:
-        """Forget the samples before; see `Relation.leave`."""
         self._consecutive = 0
         self._d1 = self._d2 = self._f1 = self._f2 = 0.0
 
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
-        """Build (y, phi_K, phi_B, phi_c, phi_M); see `Relation.row`."""
         d1, d2, f1, f2 = self._d1, self._d2, self._f1, self._f2
         self._d1, self._d2, self._f1, self._f2 = delta, d1, pressing, f1
         self._consecutive = self._consecutive + 1 if dt <= self._longest else 1
@@ -140,9 +136,7 @@ class GatedRows:
         # The second and third build the columns of K_e and x_e where known physics bend them.
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
 
-    def in_contact(
-        self, dt: float, delta: float, velocity: float, pressing: float
-    ) -> Row | None:
+    def in_contact(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Return the filtered row of a sample in contact."""
         return self._filtered(self._relation.row(dt, delta, velocity, pressing))
 

@@ -19,11 +19,7 @@ class ZeroTracker:
     """
     Kalman filter of zero z and drift d of a force: z' = d, d' white noise.
 
-    Attributes
-    ----------
-    zero, drift : float
-        z [N] and d [N/s].
-
+    zero, drift: z [N] and d [N/s]
     """
 
     def __init__(self) -> None:
@@ -34,6 +30,12 @@ class ZeroTracker:
     def zero_std(self) -> float:
         """Return the standard deviation of the zero in those of the noise."""
         return sqrt(self._P[0])
+
+    def step(self, size: float, variance: float) -> None:
+        """Move the zero by what is known to have changed [N], with a variance [noise^2]."""
+        zz, zd, dd = self._P
+        self.zero += size
+        self._P = zz + variance, zd, dd
 
     def predict(self, dt: float) -> None:
         """Extrapolate by a time step [s]."""

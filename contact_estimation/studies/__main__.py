@@ -13,7 +13,8 @@ from ..commands.command_line import Parser
 
 STUDIES = {
     'arms': ('arms.study', 'the library on two arms simulated in MuJoCo'),
-    'estimators': ('benchmarks.estimators_study', 'errors, bands and tracking of all estimators'),
+    'estimators': ('benchmarks.online_study:main_estimators',
+                   'errors, bands and tracking of all estimators'),
     'fleet': ('benchmarks.fleet', 'a simulated archive, its scaling and a killed run'),
     'input_checks': ('benchmarks.input_checks', 'false warnings and detected input errors'),
     'matrix': ('benchmarks.matrix_study', 'errors and bands of the full matrices'),
@@ -39,7 +40,9 @@ def main(args: Sequence[str] | None = None) -> int:
     """Hand the remaining arguments to the chosen study, imported when it is chosen."""
     words = list(sys.argv[1:] if args is None else args)
     name = make_parser().parse_args(words[:1]).name
-    return int(import_module(f'.{STUDIES[name][0]}', __package__).main(words[1:]))
+    module, _, function = STUDIES[name][0].partition(':')
+    run = getattr(import_module(f'.{module}', __package__), function or 'main')
+    return int(run(words[1:]))
 
 
 if __name__ == '__main__':

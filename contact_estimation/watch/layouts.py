@@ -172,11 +172,7 @@ def plotjuggler_layout() -> str:
 
 
 def series_name(topic: str, field: str) -> str:
-    """
-    Return how PlotJuggler names a field.
-
-    field: as in 'points[0].positions[0]'
-    """
+    """Return how PlotJuggler names a field; field: as in 'points[0].positions[0]'."""
     if topic == 'joint_states':
         quantity = re.sub(r'\[\d+\]', '', field)
         return f'/{topic}/{_JOINT}/{quantity}'

@@ -46,23 +46,13 @@ class ContactLog:
         self._status, self._checks = '', dict[str, str]()
 
     def add(self, path: str, stamp_ns: int, value: float) -> None:
-        """
-        Add one value of a curve.
-
-        stamp_ns: when [ns]
-        value: in the unit of the plot; what is not finite leaves a gap
-        """
+        """Add a value of a curve in the unit of its plot; one that is not finite leaves a gap."""
         stamps, values = self.values.setdefault(path, ([], []))
         stamps.append(stamp_ns)
         values.append(value if isfinite(value) else nan)
 
     def add_estimate(self, key: str, stamp_ns: int, value: float, std: float) -> None:
-        """
-        Add an estimate and its band of 2 standard deviations.
-
-        stamp_ns: when [ns]
-        value, std: estimate and standard deviation; NaN while unknown
-        """
+        """Add an estimate and its band of 2 standard deviations; NaN while unknown."""
         self.add(f'{key}/estimate', stamp_ns, value)
         # A band wider than the value says that nothing is known yet, and would flatten the plot.
         band = 2.0 * std if 2.0 * std < abs(value) else nan
@@ -70,11 +60,7 @@ class ContactLog:
         self.add(f'{key}/lower', stamp_ns, value - band)
 
     def add_status(self, stamp_ns: int, text: str) -> None:
-        """
-        Add the state of the estimator where it has changed.
-
-        stamp_ns: when [ns]
-        """
+        """Add the state of the estimator where it has changed; stamp_ns: when [ns]."""
         if text != self._status:
             self._status = text
             level = INFO if text.startswith(_AS_EXPECTED) else WARNING

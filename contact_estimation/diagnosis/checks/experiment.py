@@ -129,7 +129,7 @@ def constant_speed(evidence: Evidence) -> Finding:
 
 
 def command_topic(evidence: Evidence) -> Finding:
-    """Find a reference that is the measured position, or that the robot does not follow."""
+    """Find a reference that is measured, only the goal, or not what the robot follows."""
     if not evidence.with_reference:
         return Finding(True, 'no reference_trajectory')
     s, robot = evidence.smooth, evidence.model.robot
@@ -146,6 +146,14 @@ def command_topic(evidence: Evidence) -> Finding:
     if tested and share < LITTLE:
         return Finding(False, f'{text}, expected about 1: the reference seems to be the measured '
                               f'position{change}')
+    moves = float(np.mean(np.diff(evidence.whole.reference[0]) != 0.0))
+    pulled = robot.stiffness * (s.reference[0] - s.x)[~contact]
+    needed = evidence.implied_force[~contact]
+    left = float(np.sqrt(np.mean(needed**2) / max(np.mean(pulled**2), 1e-300)))
+    if moves < LITTLE and not contact.all() and left > MUCH:
+        return Finding(False, 'x_r is held, and in free flight a robot that is pulled to it would '
+                              f'need {100.0 * left:.0f} % of K_t (x_r - x) less: the reference '
+                              f'seems to be only the goal of a planner{change}')
     follows = line_through(s.reference[0], s.x).correlation
     if abs(follows) < MUCH and evidence.of_robot.correlation < FOLLOWS:
         return Finding(False, f'the correlation of x with x_r is {follows:.2f}, and the '

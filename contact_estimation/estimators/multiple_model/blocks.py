@@ -136,7 +136,7 @@ class Blocks:
         if off > _OTHER_RATE:
             self._set_period(period)
         elif off > _SAME_RATE:
-            self.smoothing = Smoothing(period)
+            self.smoothing = Smoothing(period, self.smoothing.of_s)  # the buffer is for these
             self.period_s = period
         if self._measured < _LONGEST_STEPS:
             self._measured *= 4
@@ -251,8 +251,11 @@ class Blocks:
     def select(self, windows: int, contact: ContactFilter, later: int = 0) -> bool:
         """Choose the windows in contact throughout, before so many samples; whether there are."""
         smooth, deviation = self.smoothing, sqrt(contact.variance)
+        count = smooth.length(windows) + 4
+        if self._filled < count + later:
+            return False  # the rate has changed since
         end = self._buffer.shape[1] - later
-        recent = self._buffer[:, end - smooth.length(windows) - 4:end]
+        recent = self._buffer[:, end - count:end]
         force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
         inside = (recent[-1, 2:-2] > 0.0) & (course > PRESSES * deviation)
         whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])

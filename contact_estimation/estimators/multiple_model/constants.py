@@ -48,6 +48,10 @@ EXACT_SURFACE_M = 5e-6
 AS_TOLD, NEAR, ELSEWHERE = 0.49, 0.49, 0.02
 """Prior of a surface as told, within its standard deviation, and anywhere."""
 
+NEAR_DEPTH = 0.3
+"""Standard deviation of a shift of the surface that (y - delta)^n = y^n - n delta y^(n-1) is used
+for [mean depths]: the next term is (n - 1) / 2 delta / y of it, a tenth."""
+
 STILL_THERE = 0.7
 """Prior of the same surface after the wall has changed."""
 
@@ -74,6 +78,9 @@ WALL_WALK = 1e-3
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4
 """Error of a stamp [s]: the resolution of drivers that stamp on arrival."""
+
+NOISE_DOUBT = 0.3
+"""Relative error of the noise of the position: it is measured as white, and seldom is."""
 
 MODEL_ERROR, MODEL_ERROR_S = 2e-3, 0.05
 """Share of the force that no law predicts, and how long it stays the same [s]."""

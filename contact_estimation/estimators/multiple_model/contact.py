@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import exp, nan, sqrt
 from typing import Sequence
 
 import numpy as np
@@ -69,12 +69,15 @@ class ContactFilter:
     minimum_force: contact begins above this force [N]
     least_noise: least standard deviation of the force [N]: simulated sensors have none
     level, level_variance: force in free flight [N] and its variance
+    follows_level: whether the level is learned here, sample by sample
     """
 
     def __init__(self, minimum_force: float = 0.0, least_noise: float = 1e-3) -> None:
         self.minimum_force, self._least = minimum_force, least_noise * least_noise
+        self.follows_level = True
         self.state = FREE
         self.level = self.level_variance = self._up = self._down = 0.0
+        self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
 
@@ -161,9 +164,11 @@ class ContactFilter:
         self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
     ) -> int:
         up, down, level, level_variance = self._up, self._down, self.level, self.level_variance
-        walk, count = LEVEL_WALK * LEVEL_WALK, 0
-        for dt, force, variance, place in zip(dts, forces, variances, places):
+        walk, count, onset = LEVEL_WALK * LEVEL_WALK, 0, self.onset
+        for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
             count += 1
+            if up == 0.0:
+                onset = x
             deviation, pressing = sqrt(variance + level_variance), force - level
             z = pressing / deviation
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
@@ -175,7 +180,8 @@ class ContactFilter:
             if down > TOUCH + (place if place > 0.0 else 0.0):
                 self.state = NEITHER
                 break
-            if up < 0.25 * TOUCH and down < 0.5 * TOUCH and place < 0.5:
+            if (self.follows_level and up < 0.25 * TOUCH and down < 0.5 * TOUCH
+                    and place < 0.5):
                 level_variance += walk * variance * dt
                 gain = level_variance / (level_variance + variance)
                 most = 3.0 * deviation
@@ -183,6 +189,7 @@ class ContactFilter:
                                  else pressing)
                 level_variance *= 1.0 - gain
         self._up, self._down, self.level, self.level_variance = up, down, level, level_variance
+        self.onset = onset
         return count
 
     def _in_contact(

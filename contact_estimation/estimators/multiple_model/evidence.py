@@ -5,17 +5,21 @@
 
 from __future__ import annotations
 
-from typing import Generator, NamedTuple
+from typing import Generator, NamedTuple, Sequence
 
 import numpy as np
 
-from .laws import Array, CHOSEN, COLUMNS, DEEP, FORCE_RATE, Ints, prior, scales, UNKNOWNS
+from .constants import NEAR_DEPTH, NOISE_DOUBT
+from .laws import (
+    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
+    ONE, prior, scales, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
+_CLEAN = 0.9999  # reliability of a depth without noise
 _RIDGE = 1e-10  # of a unit diagonal, so that columns that are the same leave no singular matrix
 
 
@@ -44,6 +48,14 @@ class Hypotheses(NamedTuple):
         return Hypotheses(self.law[one], self.stiffness[one], self.centre[one], self.std[one])
 
 
+def hypotheses(
+    laws: Ints, surfaces: Sequence[tuple[float, float, float]], scale: float
+) -> Hypotheses:
+    """Return each law with each surface (centre, std, weight), the scale of the priors as told."""
+    centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
+    return Hypotheses(np.repeat(laws, len(surfaces)), np.full(len(centre), scale), centre, std)
+
+
 class Judged(NamedTuple):
     """The posterior of the coefficients under each hypothesis."""
 
@@ -64,6 +76,7 @@ class _Normal(NamedTuple):
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
+    blur: Array  # (N,) what the noise of the position may add to the information of K
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -78,7 +91,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2), couples K and s.
 
-    grams (N, 15, 15): one for each hypothesis
+    grams (N, 16, 16): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 
@@ -95,6 +108,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
+    grams, reliability = _calibrated(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -108,7 +122,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
             :, FORCE_RATE, FORCE_RATE]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
-    std[:, 3] = K * what.std
+    std[:, 3] = K * np.minimum(what.std, np.where(CURVED[laws], NEAR_DEPTH * scene.depth, np.inf))
     precision = std ** -2.0
     offset = what.centre - scene.x0
     L = np.zeros((count, UNKNOWNS, UNKNOWNS))
@@ -122,12 +136,39 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1)
-    return _Normal(scaled, unit, eta, std, squares)
+    doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
+    row, of_one = np.arange(count), np.maximum(grams[:, ONE, ONE], 1e-30)
+    scatter = gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one
+    return _Normal(scaled, unit, eta, std, squares, doubt * scatter)
+
+
+def _calibrated(grams: Array) -> tuple[Array, Array]:
+    """
+    Return Gram matrices with the depth expected at what was measured of it, and its reliability.
+
+    Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
+    would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
+    place of y (regression calibration: Carroll et al., Measurement Error in Nonlinear Models,
+    2006, ch. 4); a tool that rests tells nothing but its mean.
+    """
+    of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
+    mean = grams[:, OF_DEPTH, ONE] / of_one[:, None]
+    scatter = grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE]
+    noise = grams[:, NOISE, NOISE]
+    reliability = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
+    if reliability.min() > _CLEAN:
+        return grams, reliability
+    share, grams = reliability[:, None, None], grams.copy()
+    mean = (1.0 - share) * mean[:, :, None]
+    grams[:, OF_DEPTH] = share * grams[:, OF_DEPTH] + mean * grams[:, None, ONE]
+    rows = grams.transpose(0, 2, 1)
+    rows[:, OF_DEPTH] = share * rows[:, OF_DEPTH] + mean * rows[:, None, ONE]
+    return grams, reliability
 
 
 def _solved(equations: _Normal) -> Judged:
     """Return the posteriors that normal equations have."""
-    scaled, unit, eta, std, squares = equations
+    scaled, unit, eta, std, squares, blur = equations
     sign, volume = np.linalg.slogdet(scaled)
     P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
     theta = (P @ eta[:, :, None])[:, :, 0]
@@ -137,6 +178,9 @@ def _solved(equations: _Normal) -> Judged:
     if not sound.all():
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
         P = np.where(sound[:, None, None], P, 0.0)
+    if blur.any():
+        moved = P[:, :, 0] * (blur * theta[:, 0])[:, None]  # by another noise of the position
+        P = P + moved[:, :, None] * moved[:, None, :]
     return Judged(evidence, theta, P)
 
 
@@ -174,3 +218,22 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
         K, theta[:, 1] + linear * tau * K, np.clip(delta, -reach, reach),
         np.stack([np.maximum(P[:, 0, 0], 0.0), np.maximum(B_variance, 0.0),
                   np.minimum(variance, reach * reach)]))
+
+
+def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
+    """Return means and variances of K_e, B_e and x_e - x0 of weighted hypotheses."""
+    values = np.stack(found[:3])
+    means = values @ weights
+    spreads = (found.variances + np.square(values - means[:, None])) @ weights
+    return means.tolist(), spreads.tolist()
+
+
+def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:
+    """Return what it costs that stiffness, damping, friction and mass are not negative."""
+    theta, P = judged.theta, judged.P
+    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
+    values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
+                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
+    variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
+    below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
+    return np.minimum(0.5 * below.sum(0), 15.0)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from math import exp, inf, nan, sqrt
-from typing import Iterator, Sequence, TypeVar
+from typing import Iterator, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,10 @@ from .constants import (
     ANYWHERE_M, AS_TOLD, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter
-from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
+from .evidence import (
+    Hypotheses, hypotheses, judge, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
 from .laws import (
-    ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
+    ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
 from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
@@ -80,12 +81,15 @@ class WallInference:
         self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
-        self._touched = nan
+        self._touched: tuple[float, float] | None = None
         self._excited_at, self._excitation = -1, (inf, inf)
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
         std = max(std, EXACT_SURFACE_M)
+        self._look_near(surface, std)
+
+    def _look_near(self, surface: float, std: float) -> None:
         self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
         if not self.rhythm.blocks:
             self._x0 = surface
@@ -130,16 +134,23 @@ class WallInference:
 
     # -- blocks -----------------------------------------------------------------------------
 
-    def touch(self, x: float) -> None:
-        """Begin a contact at a position [m]: the wall may be another."""
+    def touch(self, x: float, onset: float) -> None:
+        """
+        Begin a contact: the wall may be another.
+
+        x, onset: where the contact was noticed, and where the force may have begun [m]
+        """
         self.rhythm.touch()
         known = self.known
+        noise = self._blocks.noise[0]
+        error = EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
+        self._touched = 0.5 * (x + onset), 0.5 * abs(x - onset) + error
+        if not self.rhythm.blocks:
+            self._x0 = onset  # powers of the depth are right near their reference only
         if known.surface != known.surface:
-            self._x0 = x
-            self._surfaces = [(x, ANYWHERE_M, 1.0)]
+            self._look_near(*self._touched)
         elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
-        self._touched = x
 
     def alarms(self, shorts: Array) -> NDArray[np.bool_]:
         """Return which short blocks are not what the wall as known explains."""
@@ -229,10 +240,10 @@ class WallInference:
         """Add a block to all that is known; the older, the less."""
         seconds = phi.shape[1] * self._blocks.smoothing.hop * self._blocks.period_s
         fade = exp(-seconds / FADE_S)
-        if self._touched == self._touched:
+        if self._touched is not None:
             if self.rhythm.blocks:
                 self._runs.begin(self._touched)
-            self._touched = nan
+            self._touched = None
         self.rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth = max(float(phi[DEPTH].mean()), 1e-5)
@@ -259,29 +270,24 @@ class WallInference:
         self._scale = max(K, least)
         self._seconds = max(B / self._scale + lag, 0.0)
 
-    def _hypotheses(
-        self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]
-    ) -> Hypotheses:
-        count = len(surfaces)
-        centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
-        return Hypotheses(np.repeat(laws, count), np.full(len(centre), self._scale), centre, std)
-
     def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene = self.scene
         self.rhythm.judged()
-        what = self._hypotheses(np.arange(_LAWS), self._surfaces)
+        what = hypotheses(np.arange(_LAWS), self._surfaces, self._scale)
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
         grams[moves] = self._moving.gram
         judged = yield from judge_in_parts(grams, scene, what)
         yield
-        odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
+        odds = judged.evidence + self._prior_odds(what, moves) - negativity(
+            judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
         change, law, prior = None, int(what.law[still]), np.log([one[2] for one in self._surfaces])
         before = yield from self._runs.before(
-            self._gram, scene, self._hypotheses(np.array([law]), self._surfaces), prior)
+            self._gram, scene, hypotheses(np.array([law]), self._surfaces, self._scale),
+            prior)
         if before is not None:
             yield
             alone = float(judged.evidence[still] + prior[still % len(prior)])
@@ -317,15 +323,16 @@ class WallInference:
         run = int(change.run[best])
         centre, std = float(change.centre[best]), float(change.std[best])
         gram = self._runs.commit(run)
-        before = judge(
-            np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-            self._hypotheses(np.arange(_LAWS), [self._surfaces[change.place[best]]])).evidence
+        surface = self._surfaces[change.place[best]]
+        before = judge(np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
+                       hypotheses(np.arange(_LAWS), [surface], self._scale)).evidence
         most = float(before[:MOVING].max())
         self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
         self._gram = gram
         self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.changes += 1
-        self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
+        self._surfaces = [(centre, std, STILL_THERE),
+                          (centre, max(self._depth, std), ELSEWHERE)]
         if self._told[0] == self._told[0]:
             self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
@@ -347,7 +354,7 @@ class WallInference:
         if self.rhythm.early:
             return ratio
         before = self._residual if self._residual == self._residual else 1.0
-        share = phi.shape[1] * smooth.hop * self._blocks.period_s / _RESIDUAL_S
+        share = min(phi.shape[1] * smooth.hop * self._blocks.period_s / _RESIDUAL_S, 1.0)
         self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
         return ratio
 
@@ -371,12 +378,7 @@ class WallInference:
             since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
             found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
             weights = np.concatenate([weights * (1.0 - share.sum()), share])
-        means, spreads = [], []
-        for values, variances in zip(found[:3], found.variances):
-            mean = float(weights @ values)
-            means.append(mean)
-            spreads.append(float(weights @ (variances + np.square(values - mean))))
-        K, B, delta = means
+        (K, B, delta), spreads = mixture(weights, found)
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, self.known.surface_std
@@ -386,7 +388,8 @@ class WallInference:
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             sqrt(self._residual) if self._residual == self._residual else nan)
-        self._rescale(K, B, _SOFTER * self._scale)
+        if self.known.valid:
+            self._rescale(K, B, _SOFTER * self._scale)
 
     def _follow_surface(self) -> None:
         """Move the reference of the columns to the surface where that is known better."""
@@ -406,14 +409,3 @@ class WallInference:
         self._x0 += delta
         self._depth = max(self._depth - delta, 1e-5)
         return self._depth
-
-
-def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
-    """Return what it costs that stiffness, damping, friction and mass are not negative."""
-    theta, P = judged.theta, judged.P
-    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
-    values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
-                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
-    variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
-    below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
-    return np.minimum(0.5 * below.sum(0), 15.0)

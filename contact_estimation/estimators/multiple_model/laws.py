@@ -30,11 +30,15 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
- SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE) = range(15)
+ SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE) = range(16)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
-S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f."""
+S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviation of S0 y, whose square
+says how much of the scatter of the depth is noise."""
 
-COLUMNS = 15
+COLUMNS = 16
+OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, SQUARE]
+"""Columns that are functions of the depth."""
+
 UNKNOWNS = 5
 
 
@@ -67,6 +71,9 @@ LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
 """Which laws damp with the depth."""
+
+CURVED = EXPONENT != 1.0
+"""Which laws are linear in a shift of the surface only where it is small beside the depth."""
 
 CHOSEN: Ints = np.array([(*law.columns, FORCE) for law in LAWS.values()])
 # n y^(n-1) and S1 y^n of n = 2 are twice the columns that they share with other laws.
@@ -135,7 +142,7 @@ def shifted_table(delta: float) -> Array:
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, to first order for n = 1.5.
 
     delta: how far into the wall [m]
-    Returns matrix (15, 15): new columns from old ones
+    Returns matrix (16, 16): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

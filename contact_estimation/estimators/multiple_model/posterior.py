@@ -272,5 +272,5 @@ class WallPosterior:
         self._begin_work(None)
         self.blocks.close()  # nothing is learned from free flight
         self._touch_t = t
-        self.wall.touch(x)
+        self.wall.touch(x, self.contact.onset)
         self.blocks.wanted = 3 * self.blocks.short // 2  # the first whole window is longer

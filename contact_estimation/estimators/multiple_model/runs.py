@@ -10,7 +10,7 @@ from typing import Generator, NamedTuple
 
 import numpy as np
 
-from .constants import ANYWHERE_M, CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
+from .constants import CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
@@ -110,7 +110,7 @@ class Before(NamedTuple):
     """What was before each run."""
 
     used: Ints  # (N,) indices of the runs
-    since: Array  # (N, 15, 15) Gram matrices since then
+    since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
     place: Ints  # (N,) index of its surface: that which explained best what was before
     law: int  # index of the law
@@ -137,10 +137,10 @@ class Runs:
         self._grams = np.zeros((RUNS + 1, COLUMNS, COLUMNS))
         self._ages: list[int] = []
         self._seconds: list[float] = []
-        self._touches: list[float] = []
+        self._touches: list[tuple[float, float]] = []
 
-    def begin(self, touch: float = nan) -> None:
-        """Begin a run; at a touch, with the position of it [m]."""
+    def begin(self, touch: tuple[float, float] = (nan, nan)) -> None:
+        """Begin a run; at a touch, with its position and the standard deviation of that [m]."""
         count = len(self._ages)
         if count > RUNS:
             self._drop(1 + self._least_useful())
@@ -154,7 +154,7 @@ class Runs:
         """Return the inner run whose neighbours are nearest to each other in their ratio."""
         ages = np.array(self._seconds) + _YOUNG_S
         ratio = ages[:-2] / ages[2:]
-        kept = np.array(self._touches[1:-1])
+        kept = np.array(self._touches[1:-1])[:, 0]
         return int(np.argmin(np.where(kept == kept, np.inf, ratio)))
 
     def _drop(self, index: int) -> None:
@@ -187,7 +187,7 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        gram (15, 15): of all data
+        gram (16, 16): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
         """
@@ -216,14 +216,14 @@ class Runs:
         """
         used, since, judged, place, law = before
         delta, variance = surfaces(judged)
-        delta = np.clip(delta, -ANYWHERE_M, ANYWHERE_M)
-        variance = np.minimum(variance, ANYWHERE_M * ANYWHERE_M)
-        touches = np.array(self._touches)[used]
+        reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
+        delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
+        touches, doubts = np.array(self._touches)[used].T
         at_touch = touches == touches
         touched = np.flatnonzero(at_touch)  # there, the surface may be another one too
         run = np.concatenate([np.arange(len(used)), touched])
         centre = np.concatenate([scene.x0 + delta, touches[touched]])
-        std = np.concatenate([np.sqrt(variance) + _KEPT_STD, np.full(len(touched), ANYWHERE_M)])
+        std = np.concatenate([np.sqrt(variance) + _KEPT_STD, doubts[touched]])
         new = log(0.5 * NEW_WALL)
         hazard = np.where(at_touch, new, log(self.changes / self.seconds * block_s))
         prior = np.concatenate([hazard, np.full(len(touched), new)])
@@ -236,7 +236,7 @@ class Runs:
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
-        gram, touched = self._grams[run].copy(), self._touches[run] == self._touches[run]
+        gram, touched = self._grams[run].copy(), self._touches[run][0] == self._touches[run][0]
         for _ in range(run + 1):
             self._drop(0)
         if not touched:

@@ -107,7 +107,7 @@ class MovingWall:
     Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
     log(1 + Q g_s) / 2.
 
-    gram (15, 15): of all blocks
+    gram (16, 16): of all blocks
     """
 
     def __init__(self) -> None:

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .laws import (
-    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, ONE, POWER, POWER_DAMPING, POWER_RATE,
-    POWER_SLOPE, RATE, SIGN, SQUARE, SQUARE_RATE)
+    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE, ONE, POWER,
+    POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, SIGN, SQUARE, SQUARE_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
@@ -36,16 +36,16 @@ class Smoothing:
     (1 - u^2)^3 on |u| < 1 with its first and second derivative, normalised so that polynomials up
     to the second degree are differentiated exactly.
 
-    period_s: t [s]
-    period_s: t [s]
+    period_s: of the samples [s]
+    of_s: period whose windows are used [s]: another one of the same samples; the same by default
     half, hop: samples on each side of the centre, and between the centres of windows
     noise, rate_noise: variance of S0 and S1 of white noise of variance 1 [-], [1/s^2]
     """
 
-    def __init__(self, period_s: float) -> None:
-        self.period_s = period_s
-        self.half = h = max(_LEAST_HALF, round(_HALF_S / period_s))
-        self.hop = max(1, round(_HOP_S / period_s))
+    def __init__(self, period_s: float, of_s: float = 0.0) -> None:
+        self.period_s, self.of_s = period_s, of_s or period_s
+        self.half = h = max(_LEAST_HALF, round(_HALF_S / self.of_s))
+        self.hop = max(1, round(_HOP_S / self.of_s))
         u, t = np.arange(-h, h + 1) / (h + 1.0), np.arange(-h, h + 1) * period_s
         mean, first, second = (1 - u * u) ** 3, u * (1 - u * u) ** 2, (1 - u * u) * (5 * u * u - 1)
         second = second - second.mean()
@@ -81,7 +81,7 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (15, N): the columns of `laws`, a row for each window
+        Returns phi (16, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
@@ -103,7 +103,9 @@ class Smoothing:
         phi[POWER_DAMPING] = smooth[3, 1]
         phi[POWER_SLOPE] = smooth[4, 0]
         phi[CUBE_RATE] = smooth[5, 1]
-        phi[FORCE:] = smooth[6, :2]
+        phi[FORCE:FORCE_RATE + 1] = smooth[6, :2]
+        phi[NOISE] = sqrt(noise[0] * self.noise)
+        phi[NOISE, ::2] *= -1.0  # of either sign, so that no other column contains it
         if any(column.any() for column in bent):
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean

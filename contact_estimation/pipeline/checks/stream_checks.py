@@ -81,8 +81,6 @@ class ZeroSteps(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the levels of free flight; a step is told until a tare."""
-        if seen.parameters.force_sensor.zero == TRACKED:
-            return ''
         steps = self._noted(seen)
         bias, told = seen.memory.get('zero_steps', (seen.bias, []))
         if bias != seen.bias:
@@ -111,7 +109,9 @@ class ZeroSteps(Check):
         until = int(np.searchsorted(t, seen.start_s + 0.25 * (seen.end_s - seen.start_s)))
         first = max(until - _KEPT, 0)
         seen.memory['free_flight'] = seen.bias, t[first:], force[first:]
-        return zero_steps(t, force, seen.configured_noise, not seen.may_be_weight)
+        # A zero that is tracked drifts: only what happens from one sample to the next is a step.
+        drifts = seen.parameters.force_sensor.zero == TRACKED
+        return zero_steps(t, force, seen.configured_noise, not (seen.may_be_weight or drifts))
 
 
 def _when(step: ZeroStep, period: float) -> str:

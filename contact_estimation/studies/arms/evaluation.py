@@ -19,7 +19,7 @@ import numpy as np
 from .arm_files import ArmFiles, FORCE_BIAS, tool_parameters, world_of
 from .arm_models import TOOL_CENTRE, TOOL_MASS
 from .simulation import Run, World
-from ..benchmarks.estimator_benchmark import contact_data, filterpy_step
+from ..benchmarks.speed_estimators import contact_data, filterpy_step
 from ...commands.calibrate_tool import main as calibrate_tool
 from ...commands.diagnose import main as diagnose
 from ...estimators.estimate import Estimate, EstimateStatus

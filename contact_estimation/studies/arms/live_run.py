@@ -14,7 +14,7 @@ from typing import Any
 
 from .arm_files import ArmFiles
 from .evaluation import Case, errors, Estimated
-from ..benchmarks.node_benchmark import end_node, start_node
+from ..benchmarks.speed_nodes import end_node, start_node
 from ...exceptions import EstimationError
 from ...messages import decode_diagnostics, Vector3StampedDecoder
 from ...recordings import RecordingReader

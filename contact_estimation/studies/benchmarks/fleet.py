@@ -18,8 +18,8 @@ import sys
 import time
 from typing import Any, Callable, Iterator, Sequence
 
-from ...commands.command_line import command, new_folder, Parser
-from ...exceptions import FleetError, ParameterRangeError
+from ...commands.command_line import command, new_folder, Parser, require_at_least
+from ...exceptions import FleetError
 from ...parameters.values import build
 from ...physics import PhysicsParameters
 from ...plant.plant_parameters import PlantParameters, SensorParameters, WallParameters
@@ -44,12 +44,7 @@ _OVERHEAD_S = 6.9  # of three touches besides their holds
 
 
 def write_archive(folder: Path, count: int, seconds: float) -> Path:
-    """
-    Write an archive and its nominal model.
-
-    count: number of recordings, of which 4 are broken
-    seconds: duration of each [s]
-    """
+    """Write an archive of `count` recordings of some seconds, 4 broken, and its model."""
     experiment = touches(seconds)
     broken = {round((place + 0.5) * count / len(_BREAKERS)): breaker
               for place, breaker in enumerate(_BREAKERS)}
@@ -79,11 +74,7 @@ def world(robot: str, number: int, count: int) -> PlantParameters:
 
 
 def touches(seconds: float) -> Experiment:
-    """
-    Return three touches like those of the experiment `rich`, of any duration.
-
-    seconds: duration [s], at least `LEAST_S`
-    """
+    """Return three touches like those of `rich` in so many seconds, at least `LEAST_S`."""
     away, hold = -0.02, (seconds - _OVERHEAD_S) / 3.0
     segments = [Segment(0.5, away)]
     for approach_s, depth, amplitude, omegas in (
@@ -154,9 +145,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run the demonstration and print its figures."""
-    for name, least in (('recordings', _LEAST_RECORDINGS), ('seconds', LEAST_S)):
-        if getattr(options, name) < least:
-            raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
+    require_at_least(options, recordings=_LEAST_RECORDINGS, seconds=LEAST_S)
     folder = new_folder(options.output)
     write_archive(folder / 'archive', options.recordings, options.seconds)
     if options.only_write:

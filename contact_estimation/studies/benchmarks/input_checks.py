@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from itertools import cycle, islice, product
-import json
 from math import inf, nan
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .measuring import print_table
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import as_json, command, Parser, write_results
 from ...commands.progress import Progress
 from ...estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ...parameters.values import build
@@ -149,11 +148,7 @@ MISTAKES = (
 def healthy_session(
     estimator: str, experiment: str, wall: tuple[float, float], seed: int
 ) -> tuple[ContactSession, list[ContactSample]]:
-    """
-    Run one closed loop in which nothing is wrong.
-
-    wall: K_e [N/m] and B_e [N s/m]
-    """
+    """Run one closed loop in which nothing is wrong; wall: K_e [N/m] and B_e [N s/m]."""
     plant = build(PlantParameters, {
         **PAPER_NOISE, 'environment.stiffness': wall[0], 'environment.damping': wall[1],
         'seed': seed})
@@ -165,12 +160,7 @@ def healthy_session(
 def seconds_to_warning(
     samples: Sequence[ContactSample], mistake: Mistake, estimator: str
 ) -> float:
-    """
-    Return the time from the first contact until the mistake is reported.
-
-    Returns seconds: at least 0 [s]; infinite without a warning, NaN where it is none for the
-    estimator
-    """
+    """Return the time from contact to the report [s]; inf: none, NaN: it is no mistake here."""
     if estimator == MULTIPLE_MODEL and mistake.expected[0] in _OF_ROWS:
         return nan
     session = ContactSession(
@@ -190,52 +180,75 @@ def seconds_to_warning(
     return max(0.0, (min(found) - touch) * 1e-9) if found else inf
 
 
+class _Example(NamedTuple):
+    """A healthy loop on which the mistakes are made."""
+
+    estimator: str
+    experiment: str
+    samples: list[ContactSample]
+
+    @property
+    def title(self) -> str:
+        return f'{self.estimator}, {self.experiment}'
+
+
 def run(options: Any) -> int:
     """Run healthy loops and mistakes, and print both tables."""
     progress = Progress('input_checks')
-    worlds = list(islice(cycle(product(WALLS, EXPERIMENTS)), options.loops))
-    names, said, examples = ONLINE_ESTIMATORS, [], []
-    for k, (wall, experiment) in enumerate(worlds):
-        estimator = names[k % len(names)]
-        session, samples = healthy_session(estimator, experiment, wall, options.seed + k)
-        if wall == WALLS[1]:
-            examples.append((estimator, experiment, samples))
-        world = {'estimator': estimator, 'experiment': experiment, 'K_e': wall[0]}
-        said += [{**world, 'check': one.warned.name, 'warning': one.warned.text}
-                 for one in session.checks.ordered_warnings()]
-        progress.show((k + 1) / (2 * len(worlds)), f'{k + 1} healthy loops')
-    rows = []
+    said, examples = _healthy_loops(options.loops, options.seed, progress)
+    times = []
     for k, mistake in enumerate(MISTAKES):
-        times = [seconds_to_warning(samples, mistake, estimator)
-                 for estimator, _, samples in examples]
-        rows.append((mistake.text, mistake.expected[0], times))
+        times.append([seconds_to_warning(one.samples, mistake, one.estimator)
+                      for one in examples])
         progress.show(0.5 + 0.5 * (k + 1) / len(MISTAKES), mistake.text)
     progress.done()
     false = [one for one in said if one['check'] not in _ADVICE]
     advice = [one for one in said if one['check'] in _ADVICE]
-    print(f'{len(false)} false warnings in {len(worlds)} healthy loops')
+    print(f'{len(false)} false warnings in {options.loops} healthy loops')
     for title, some in (('false warnings', false), ('advice', advice)):
         if some:
             print_table(title, some)
-    columns = [f'{estimator}, {experiment}' for estimator, experiment, _ in examples]
+    write_results(options, {'json': lambda: as_json({
+        'healthy_loops': options.loops, 'false_warnings': false, 'advice': advice,
+        'seconds': {mistake.text: [t if t < inf else None for t in row]
+                    for mistake, row in zip(MISTAKES, times)}})})
+    late = _print_times(examples, times)
+    return int(bool(false or late))
+
+
+def _healthy_loops(
+    count: int, seed: int, progress: Progress
+) -> tuple[list[dict[str, Any]], list[_Example]]:
+    """Return all warnings of healthy loops, and those loops on which mistakes are made."""
+    said, examples = [], []
+    for k, (wall, experiment) in enumerate(islice(cycle(product(WALLS, EXPERIMENTS)), count)):
+        estimator = ONLINE_ESTIMATORS[k % len(ONLINE_ESTIMATORS)]
+        session, samples = healthy_session(estimator, experiment, wall, seed + k)
+        if wall == WALLS[1]:
+            examples.append(_Example(estimator, experiment, samples))
+        world = {'estimator': estimator, 'experiment': experiment, 'K_e': wall[0]}
+        said += [{**world, 'check': one.warned.name, 'warning': one.warned.text}
+                 for one in session.checks.ordered_warnings()]
+        progress.show((k + 1) / (2 * count), f'{k + 1} healthy loops')
+    return said, examples
+
+
+def _print_times(examples: Sequence[_Example], times: Sequence[Sequence[float]]) -> int:
+    """Print the seconds from contact to each warning; return how many are late."""
     print_table('seconds from contact to warning', [
-        {'mistake': text, 'check': check, **dict(zip(columns, map(_seconds, times)))}
-        for text, check, times in rows])
-    if options.json:
-        new_file(options.json).write_text(json.dumps({
-            'healthy_loops': len(worlds), 'false_warnings': false, 'advice': advice,
-            'seconds': {text: [t if t < inf else None for t in times] for text, _, times in rows},
-        }, indent=1) + '\n')
-    late = sum(t > _IN_TIME_S for *_, times in rows for t in times)
+        {'mistake': mistake.text, 'check': mistake.expected[0],
+         **{one.title: _seconds(t) for one, t in zip(examples, row)}}
+        for mistake, row in zip(MISTAKES, times)])
     lags = [
-        {'mistake': mistake.text, 'loop': column, **_evidence(samples, mistake.lag_s)}
-        for mistake, (*_, times) in zip(MISTAKES, rows) if mistake.lag_s
-        for column, (*_, samples), t in zip(columns, examples, times) if t > _IN_TIME_S]
+        {'mistake': mistake.text, 'loop': one.title, **_evidence(one.samples, mistake.lag_s)}
+        for mistake, row in zip(MISTAKES, times) if mistake.lag_s
+        for one, t in zip(examples, row) if t > _IN_TIME_S]
     if lags:
         print_table(f'chi-squared of what is late, in the first {_IN_TIME_S:g} s of contact', lags)
-    print(f'{late} of {sum(len(times) for *_, times in rows)} mistakes not reported within '
-          f'{_IN_TIME_S:g} s of contact')
-    return int(bool(false or late))
+    late = sum(t > _IN_TIME_S for row in times for t in row)
+    print(f'{late} of {sum(map(len, times))} mistakes not reported within {_IN_TIME_S:g} s of '
+          'contact')
+    return late
 
 
 def _evidence(samples: Sequence[ContactSample], lag_s: float) -> dict[str, str]:

@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-from ...commands.command_line import command, Parser
+from ...commands.command_line import command, Parser, require_at_least
 from ...estimators.stiffness_matrix import (
     MatrixEstimate, StiffnessMatrix, StiffnessMatrixParameters)
-from ...exceptions import ParameterRangeError
 from ...signals.contact_sample import AxesSample, ContactSample
 from ...signals.synchronisation import SynchronisationParameters
 
@@ -171,8 +170,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run the study and print it."""
-    if options.worlds < 1 or options.seed < 0 or options.seconds < 0.5:
-        raise ParameterRangeError('expected --worlds >= 1, --seed >= 0 and --seconds >= 0.5')
+    require_at_least(options, worlds=1, seed=0, seconds=0.5)
     print('| mu | K error, median / 90 % | B error | angle of the normal [deg] | K within 2 std '
           '| B | normal | mu | friction identified |\n|' + ' --- |' * 9)
     for friction in FRICTIONS:

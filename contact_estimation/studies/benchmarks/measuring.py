@@ -14,9 +14,6 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from ...exceptions import ContactEstimationError
-
-
 _TICKS_PER_S = os.sysconf('SC_CLK_TCK')
 
 
@@ -42,11 +39,7 @@ class CpuMeter:
         self._used_s.append(used_s)
 
     def percent(self, begin_ns: int, end_ns: int) -> float:
-        """
-        Compute the mean load.
-
-        begin_ns, end_ns: interval on the clock of `time.time_ns`, within the samples [ns]
-        """
+        """Compute the mean load in an interval on the clock of `time.time_ns`."""
         zero = self._at_ns[0]
         at = np.array([t - zero for t in self._at_ns], float)
         before, after = np.interp([begin_ns - zero, end_ns - zero], at, self._used_s)
@@ -54,11 +47,7 @@ class CpuMeter:
 
 
 def process_cpu_s(pid: int) -> float:
-    """
-    Read the CPU time of a process.
-
-    Returns used: user and system time of all its threads [s]
-    """
+    """Read the user and system time of all threads of a process [s]."""
     fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
 
@@ -88,6 +77,7 @@ class Cost(NamedTuple):
     cpu_s: float
     peak_mb: float  # peak resident memory [MB]
     text: str  # standard output
+    error: str  # last line on stderr of a command that failed; '' on success
 
 
 def run_timed(command: Sequence[str]) -> Cost:
@@ -97,9 +87,10 @@ def run_timed(command: Sequence[str]) -> Cost:
     The peak memory is VmHWM, since ru_maxrss of wait4 includes the memory of the forking
     process.
     """
-    with TemporaryFile('w+') as output:
+    with TemporaryFile('w+') as output, TemporaryFile('w+') as errors:
         begin = time.perf_counter()
-        process = subprocess.Popen(command, stdout=output)
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=output, stderr=errors)
         peak_kb, pid = 0, 0
         try:
             while not pid:
@@ -112,10 +103,11 @@ def run_timed(command: Sequence[str]) -> Cost:
             raise
         wall_s = time.perf_counter() - begin
         process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
-            raise ContactEstimationError(f'{" ".join(command)} ended with {process.returncode}')
-        output.seek(0)
-        return Cost(wall_s, used.ru_utime + used.ru_stime, peak_kb * 1e-3, output.read())
+        for stream in (output, errors):
+            stream.seek(0)
+        lines = errors.read().strip().splitlines() or [f'exit code {process.returncode}']
+        return Cost(wall_s, used.ru_utime + used.ru_stime, peak_kb * 1e-3, output.read(),
+                    lines[-1] if process.returncode else '')
 
 
 def _peak_kb(pid: int) -> int:

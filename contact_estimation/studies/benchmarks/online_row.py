@@ -63,9 +63,9 @@ class Score(NamedTuple):
     more: Mapping[str, Any] = {}  # whatever else a row measures, by name and unit
 
 
-def follow(world: World) -> Trace:
-    """Feed a session as node and replay do."""
-    session = ContactSession(changed(EstimationParameters(), dict(world.parameters)),
+def follow(world: World, more: Mapping[str, Any] | None = None) -> Trace:
+    """Feed a session, with further parameters by dotted name, as node and replay do."""
+    session = ContactSession(changed(EstimationParameters(), {**world.parameters, **(more or {})}),
                              generate_reference=False)
     times: dict[int, float] = {}
     rows: list[tuple[Any, ...]] = []
@@ -73,7 +73,7 @@ def follow(world: World) -> Trace:
     laws: list[tuple[float, Mapping[str, float]]] = []
     look, error = _LOOK_S, ''
     try:
-        for t, kind, stamp_ns, values in _messages(world.wrenches, world.motions):
+        for t, kind, stamp_ns, values in messages(world.wrenches, world.motions):
             if kind:
                 times[stamp_ns] = t
             add = session.add_wrench if kind else session.add_motion
@@ -88,13 +88,13 @@ def follow(world: World) -> Trace:
     return Trace(t, K, B, K_std, B_std, location, contact == 1.0, warnings, laws, error)
 
 
-def _messages(wrenches: Stream, motions: Stream) -> list[tuple[float, int, int, list[float]]]:
+def messages(wrenches: Stream, motions: Stream) -> list[tuple[float, int, int, list[float]]]:
     """Return time, 1 for a wrench or 0, stamp and values of all messages, in order."""
-    messages = []
+    found = []
     for kind, stream in enumerate((motions, wrenches)):
-        messages += [(t, kind, stamp_ns, values) for t, stamp_ns, values in zip(
+        found += [(t, kind, stamp_ns, values) for t, stamp_ns, values in zip(
             stream.t.tolist(), stream.stamp_ns.tolist(), stream.values.tolist())]
-    return sorted(messages, key=lambda message: message[:2])
+    return sorted(found, key=lambda message: message[:2])
 
 
 def _row(times: Mapping[int, float], result: Result) -> tuple[Any, ...]:
@@ -206,10 +206,12 @@ class Row(NamedTuple):
     make: Callable[[np.random.Generator, int], World]
     score: Callable[[World, Trace], Score]  # scores a trace of a world
 
-    def run(self, draw: np.random.Generator, index: int) -> Score:
+    def run(
+        self, draw: np.random.Generator, index: int, trace: Callable[[World], Trace] = follow
+    ) -> Score:
         """Make, follow and score one world."""
         world = self.make(draw, index)
-        return self.score(world, follow(world))
+        return self.score(world, trace(world))
 
 
 def spread(index: int, low: float = 300.0, high: float = 3e4) -> float:

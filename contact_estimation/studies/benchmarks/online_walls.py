@@ -13,7 +13,7 @@ import numpy as np
 
 from .online_row import (
     AS_TOLD, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score, settled_instants,
-    told, Trace, WITHIN)
+    spread, told, Trace, WITHIN)
 from .online_worlds import Array, ramp, simulate, World
 from ...physics.prior import log_uniform
 
@@ -112,8 +112,23 @@ def _settled_after(world: World, trace: Trace, change: float, end: float) -> flo
     return float(t[away[-1] + 1] - change) if away[-1] + 1 < len(t) else inf
 
 
+def _drift(draw: np.random.Generator, index: int) -> World:
+    """Stiffen by half within 10 s of a press."""
+    parameters, x_e = told(draw, (AS_TOLD, WITHIN)[index % 2])
+    wall = drawn_wall(draw, spread(index), x_e)
+    depth = min(_STIFF_FORCE / (1.5 * wall.stiffness), 0.03)
+    pieces, seconds = presses(draw, depth, contacts=1, hold_s=11.0)
+
+    def factor(t: Array) -> Array:
+        return 1.0 + 0.5 * np.clip((t - 2.3) / 10.0, 0.0, 1.0)
+
+    return simulate('', parameters, pieces, seconds, wall._replace(factor=factor),
+                    drawn_sensor(draw), draw)
+
+
 ROWS = {
     'laws': Row('3 s after the touch of walls of other laws', 84, 28, _laws, _score_laws),
     'steps': Row('stiffness that changes in contact', 40, 10, _steps, _score_steps),
+    'drift': Row('stiffness that grows by half in 10 s', 12, 4, _drift, score),
 }
 """By name."""

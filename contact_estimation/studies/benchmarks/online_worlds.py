@@ -166,12 +166,7 @@ class World(NamedTuple):
 
 
 def pressing_force(wall: Wall, delta: Array, rate: Array, acceleration: Array, t: Array) -> Array:
-    """
-    Return the force on a wall [N].
-
-    delta, rate, acceleration (N,): penetration [m] and its derivatives
-    t (N,): time [s]
-    """
+    """Return the force on a wall (N,) [N] at times [s], given the penetration and its rates."""
     stiffness = wall.stiffness * (wall.factor(t) if wall.factor else 1.0)
     force = stiffness * delta + wall.damping * rate
     if wall.exponent == wall.exponent:
@@ -192,12 +187,7 @@ def simulate(
     seconds: float, wall: Wall, sensor: Sensor, draw: np.random.Generator,
     marks: Mapping[str, float] | None = None,
 ) -> World:
-    """
-    Simulate a world.
-
-    pieces: of the path of the tool relative to `wall.location`
-    seconds: duration [s]
-    """
+    """Simulate some seconds of a world along pieces of a path relative to `wall.location`."""
     t = np.arange(round(seconds * FINE)) / FINE
     path = path_at(pieces, t)
     inside = path - wall.shift(t) if wall.shift else path

@@ -7,21 +7,21 @@ from __future__ import annotations
 
 from concurrent.futures import as_completed, ThreadPoolExecutor
 import json
-import os
 from pathlib import Path
-import subprocess
 from tempfile import TemporaryDirectory
 from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
+from .measuring import run_timed
 from ..blind_trials.family_scoring import (
     NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from ..blind_trials.study import diagnose_command
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import (
+    check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
 from ...diagnosis.observe.signals import read_recording
-from ...exceptions import ParameterRangeError, RecordingError
+from ...exceptions import RecordingError
 from ...physics import EFFECTS
 
 
@@ -188,13 +188,11 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Diagnose the records and print the table."""
-    if options.jobs < 1:
-        raise ParameterRangeError(f'--jobs must be >= 1, got {options.jobs}')
-    target = new_file(options.output) if options.output else None
+    require_at_least(options, jobs=1)
+    check_outputs([options.output], {})
     text = as_markdown(diagnose_records(find_records(Path(options.folder)), options.jobs))
     print(text)
-    if target is not None:
-        target.write_text(text + '\n')
+    write_results(options, {'output': lambda: text + '\n'})
     return 0
 
 
@@ -272,22 +270,13 @@ def _force_std(path: Path) -> float:
 
 def _diagnose(record: Record, folder: Path) -> _Outcome:
     """Diagnose in a process of its own, which is not given the truth."""
-    output, errors = folder / 'report.json', folder / 'errors.txt'
+    output = folder / 'report.json'
     arguments = diagnose_command(record.recording, record.nominal, output)
     if record.holdout is not None:
         arguments += ['--holdout', str(record.holdout)]
-    # One thread each: several diagnoses run in parallel.
-    environment = {**os.environ, 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
-    with open(errors, 'w') as stream:
-        process = subprocess.Popen(arguments, env=environment, stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL, stderr=stream)
-        _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    cpu_s = used.ru_utime + used.ru_stime
-    if process.returncode == 0:
-        return _Outcome(json.loads(output.read_text()), '', cpu_s)
-    lines = errors.read_text().strip().splitlines()
-    return _Outcome(None, (lines or [f'exit code {process.returncode}'])[-1], cpu_s)
+    cost = run_timed(arguments)
+    report = None if cost.error else json.loads(output.read_text())
+    return _Outcome(report, cost.error, cost.cpu_s)
 
 
 main = command(make_parser, run)

@@ -5,12 +5,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 from typing import Any
 
-from ...commands.command_line import command, new_file, Parser
+from ...commands.command_line import (as_json, check_outputs, command, Parser, write_results)
 from ...estimators import ONLINE_ESTIMATORS
 from ...exceptions import ParameterRangeError
 from ...pipeline.parameters import EstimationParameters
@@ -55,13 +54,12 @@ def make_parser() -> Parser:
 def run(options: Any) -> int:
     """Run the chosen benchmarks."""
     _check(options)
-    output = new_file(options.json) if options.json else None
+    check_outputs([options.json], {})
     results: dict[str, Any] = {'machine': _machine()}
     for name in BENCHMARKS:
         if name in (options.which or BENCHMARKS):
             results[name] = _run_one(name, options)
-    if output:
-        output.write_text(json.dumps(results, indent=1) + '\n')
+    write_results(options, {'json': lambda: as_json(results)})
     return 0
 
 
@@ -80,20 +78,20 @@ def _check(options: Any) -> None:
 def _run_one(name: str, options: Any) -> dict[str, Any]:
     """Import only the requested one: node needs ROS, estimators filterpy, replay rosbags."""
     if name == 'node':
-        from .node_benchmark import run_node_benchmark
+        from .speed_nodes import run_node_benchmark
 
         return run_node_benchmark(options.seconds, options.rounds or 2, options.estimator)
     if name == 'watch':
-        from .watch_benchmark import run_watch_benchmark
+        from .speed_nodes import run_watch_benchmark
 
         return run_watch_benchmark(options.seconds, options.rounds or 2)
     if name == 'replay':
-        from .replay_benchmark import run_replay_benchmark
+        from .speed_replay import run_replay_benchmark
 
         return run_replay_benchmark(
             options.recording, options.hours, options.contact, options.rounds or 3
         )
-    from .estimator_benchmark import run_estimator_benchmark
+    from .speed_estimators import run_estimator_benchmark
 
     return run_estimator_benchmark(12.0)
 

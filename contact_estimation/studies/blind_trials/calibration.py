@@ -75,12 +75,7 @@ def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> li
 
 
 def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
-    """
-    Return the mean logarithmic score of the truth.
-
-    Returns loss: -log of the probability of models with a right family, or, where no name is
-    right, of those without a law [nat a trial]
-    """
+    """Return the mean -log of the probability of models with a right family, or without [nat]."""
     scores = []
     for trial in trials:
         scale = (constants.instrument / CONSTANTS.instrument) ** 2

@@ -48,23 +48,13 @@ def degree(in_motion: bool, world: RandomWorld, run: Run, without: Run) -> float
 
 
 def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
-    """
-    Compute the ratio of two RMS residuals of simulations without noise, as noise would leave them.
-
-    noise: standard deviation of white noise, added to both [N]
-    with_effect, without (N,): residuals [N]; NaN does not count
-    """
+    """Compute the ratio of two RMS residuals (N,) [N], both with white noise of a std [N]."""
     rms, rms_without = (float(np.sqrt(np.nanmean(each**2))) for each in (with_effect, without))
     return hypot(noise, rms) / hypot(noise, rms_without)
 
 
 def residual(in_motion: bool, world: RandomWorld, run: Run) -> Array:
-    """
-    Compute the residual in which an effect shows.
-
-    Returns residual (N,): of eq. (1) at the robot, else of a refitted spring-damper [N]; NaN where
-    undefined.
-    """
+    """Return the residual in which an effect shows, shape (N,) [N]; NaN where undefined."""
     return _impedance_residual(world, run) if in_motion else _contact_residual(world, run)
 
 

@@ -42,15 +42,12 @@ class Faded(Excitation):
         return quintic(1.0, 0.0, _FADE_S, t - self._end + _FADE_S)
 
     def value(self, t: float) -> float:
-        """Evaluate; see `Excitation.value`."""
         return self._window(t)[0] * self._signal.value(t)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Differentiate; see `Excitation.rates`."""
         w, w_dot, w_ddot = self._window(t)
         value, (first, second) = self._signal.value(t), self._signal.rates(t)
-        return (w_dot * value + w * first,
-                w_ddot * value + 2.0 * w_dot * first + w * second)
+        return (w_dot * value + w * first, w_ddot * value + 2.0 * w_dot * first + w * second)
 
 
 class Builder:
@@ -62,51 +59,28 @@ class Builder:
         self._t, self._x = 0.0, stage.rest
 
     def wait(self, duration: float) -> None:
-        """
-        Stay in place.
-
-        duration: duration [s]
-        """
+        """Stay in place for a duration [s]."""
         self.go(self._x, duration)
 
     def go(self, position: float, duration: float, excitation: Excitation | None = None) -> None:
-        """
-        Move to a position along a quintic.
-
-        position: target [m]
-        duration: duration [s]; extended where the speed would exceed 0.2 m/s
-        """
+        """Move to a position [m] along a quintic within a duration [s], but at most at 0.2 m/s."""
         duration = max(duration, 1.875 * abs(position - self._x) / _MAX_SPEED)
         self._segments.append(Segment(duration, position, position_excitation=excitation))
         self._t, self._x = self._t + duration, position
 
     def press(self, level: float, duration: float) -> None:
-        """
-        Press into the surface.
-
-        level: fraction of the reach, 1 for all of it
-        duration: duration [s], as for `go`
-        """
+        """Press into the surface to a fraction of the reach within a duration [s]."""
         self.go(self._stage.surface + level * self._stage.reach, duration)
 
     def hold(self, duration: float, signal: Excitation) -> None:
-        """
-        Stay in place with excitation.
-
-        duration: duration [s]
-        signal: faded in and out, unless it is a binary sequence
-        """
+        """Stay in place for a duration [s] with a signal, faded unless it is binary."""
         end = self._t + duration
         if not isinstance(signal, PseudoRandomBinary):
             signal = Faded(signal, self._t, end)
         self.go(self._x, duration, signal)
 
     def retract(self, duration: float) -> None:
-        """
-        Move back to the rest position.
-
-        duration: duration [s], as for `go`
-        """
+        """Move back to the rest position in a duration [s], as for `go`."""
         self.go(self._stage.rest, duration)
 
     def experiment(self, name: str) -> Experiment:

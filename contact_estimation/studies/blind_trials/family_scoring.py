@@ -108,11 +108,7 @@ def outcome_of(is_report: bool, names: Sequence[NamedEffect]) -> str:
 
 
 def overlap_of(reported: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
-    """
-    Compute intersection over union of two lists of disjoint intervals.
-
-    reported, true: intervals [s]
-    """
+    """Compute intersection over union of two lists of disjoint intervals [s]."""
     both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)
     each = sum(b - a for intervals in (reported, true) for a, b in intervals)
     return both / max(each - both, 1e-12)

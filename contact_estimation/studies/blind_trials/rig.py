@@ -41,12 +41,7 @@ class Nuisances:
 
 
 def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nuisances:
-    """
-    Draw the nuisances of a rig.
-
-    force, travel: range of force [N] and position [m]
-    noise: standard deviation of the white force noise [N]
-    """
+    """Draw nuisances by the ranges of force [N] and travel [m] and the std of the noise [N]."""
     drawn = (
         force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
         force * rng.uniform(0.0, 0.003), rng.choice([50.0, 60.0]) * rng.uniform(0.998, 1.002),
@@ -56,15 +51,8 @@ def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) ->
     return Nuisances(*(float(f'{value:.4g}') for value in drawn))
 
 
-def disturbed(
-    t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator
-) -> Array:
-    """
-    Add bias, cable, hum and coloured noise to a force.
-
-    t, x, force (N,): time, evenly spaced [s], position [m] and measured force [N]
-    Returns force (N,): force before filter, white noise and rounding [N]
-    """
+def disturbed(t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator) -> Array:
+    """Add bias, cable, hum and coloured noise to a measured force (N,) [N]."""
     n, rate = nuisances, 1.0 / float(t[1] - t[0])
     fade = float(np.exp(-2.0 * pi * min(n.colour_corner, 0.2 * rate) / rate))
     white = rng.standard_normal(len(t)) * n.colour * (1.0 - fade**2) ** 0.5
@@ -100,12 +88,7 @@ class _Motion(NamedTuple):
 
 
 def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) -> Run:
-    """
-    Simulate the experiment of a rig.
-
-    law: the law that it obeys besides; None: no law
-    rate: rate of the integration steps and of the result [Hz]
-    """
+    """Simulate the experiment of a rig, under a law or none, at a rate of steps [Hz]."""
     t, planned = planned_motion(rig.experiment, rate)
     if rig.robot is None:
         motion = _prescribed(rig, law, t, planned)
@@ -123,13 +106,7 @@ def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) 
 
 @lru_cache(maxsize=2)  # of the search and of the recording
 def planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
-    """
-    Sample the motion of an experiment.
-
-    rate: sample rate [Hz]
-    Returns t (N,): time, evenly spaced from 0 [s]
-    Returns motion (N, 3): position [m] and its derivatives [m/s], [m/s^2]
-    """
+    """Sample an experiment at a rate [Hz]: times (N,) [s], position and derivatives (N, 3)."""
     t: Array = np.arange(int(experiment.duration * rate + 1e-6) + 1) / rate
     coarse: Array = t if rate <= _COMMAND_HZ else np.arange(
         int(experiment.duration * _COMMAND_HZ) + 2) / _COMMAND_HZ

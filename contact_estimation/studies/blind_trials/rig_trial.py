@@ -108,11 +108,7 @@ def _search(
 
 
 def integration_rate(rig: Rig, final: bool = True) -> float:
-    """
-    Return the rate of integration steps, a multiple of the sample rate.
-
-    Returns rate: steps per second [Hz]
-    """
+    """Return the rate of integration steps, a multiple of the sample rate [Hz]."""
     rate = rig.sensors.rate
     if rig.stage == 'slow':
         return rate * max(_SLOW_STEPS, round(_SLOW_HZ / rate))
@@ -124,7 +120,7 @@ def magnitudes_of(rig: Rig, run: Run) -> Magnitudes:
     pressing = np.abs(run.force) > 0.0
     control, mass = 0.0, 0.0
     if rig.robot is not None:
-        control, mass = float(np.max(np.abs(_control(rig, run)))), rig.robot.mass
+        control, mass = float(np.max(np.abs(run.control(rig.robot)))), rig.robot.mass
     depth = run.x - rig.wall.location
     force = float(np.percentile(np.abs(run.force), 99.5))
     speed = float(np.percentile(np.abs(run.v[pressing]), 98)) if pressing.any() else 1e-3
@@ -134,21 +130,12 @@ def magnitudes_of(rig: Rig, run: Run) -> Magnitudes:
         mass=mass or rig.wall.inertia or 1e-3 * force)
 
 
-def _control(rig: Rig, run: Run) -> Array:
-    """Return the control force of eq. (1) without F_e [N]."""
-    robot = rig.robot
-    assert robot is not None, 'only a robot has a control force'
-    return np.asarray(robot.mass * run.a_r - robot.damping * (run.v - run.v_r)
-                      - robot.stiffness * (run.x - run.x_r))
-
-
 def _is_usable(rig: Rig, run: Run) -> bool:
     """Return whether the force stays within its range and a robot touches long enough."""
     if rig.robot is None:
         return True
-    contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
     force = rig.wall.stiffness * rig.depth
-    return contact_s > 2.0 and bool(np.max(np.abs(run.force)) < _MAX_FORCE * force)
+    return run.contact_s > 2.0 and bool(np.max(np.abs(run.force)) < _MAX_FORCE * force)
 
 
 # -- how far the law stands out ---------------------------------------------------------------
@@ -171,7 +158,7 @@ def rig_residual(port: str, rig: Rig, run: Run) -> Array:
     """
     a = np.gradient(run.v, run.t)
     if port == 'robot' and rig.robot is not None:
-        balance = rig.robot.mass * a - _control(rig, run) - run.sensed
+        balance = rig.robot.mass * a - run.control(rig.robot) - run.sensed
         b_a = butter(2, _ROBOT_HZ, fs=1.0 / float(run.t[1]))
         return np.asarray(filtfilt(*b_a, balance))
     d, attached = run.x - rig.wall.location, not rig.wall.unilateral
@@ -196,11 +183,7 @@ def _motion_noise(rig: Rig, robot: RobotParameters) -> float:
 
 
 def rig_truth(trial: RigTrial, run: Run, force_floor: float) -> dict[str, Any]:
-    """
-    Collect the ground truth of a trial on a rig.
-
-    force_floor: RMS of the recorded white noise [N]
-    """
+    """Collect the ground truth of a trial on a rig with a white noise of this RMS [N]."""
     rig = trial.rig
     cls = ALL_LAWS.get(trial.law)
     families = list(cls.families) if cls else []

@@ -62,8 +62,7 @@ def _draw_press(rng: Generator) -> Rig:
             rng.choice([1e-6, 2e-6, 5e-6])), velocity_noise=world.sensors.velocity_noise,
         low_pass=_digits(rng.uniform(100.0, 0.45 * min(rate, 660.0)), 3))
     nuisances = draw_nuisances(force, world.depth, sensors.force_noise, rng)
-    return Rig('press', world.wall, world.robot, sensors, world.experiment, nuisances,
-               world.depth)
+    return Rig('press', world.wall, world.robot, sensors, world.experiment, nuisances, world.depth)
 
 
 # -- attached -------------------------------------------------------------------------------

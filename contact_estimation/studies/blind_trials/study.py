@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 import subprocess
 import sys
@@ -18,9 +17,9 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 
 from .calibration import judged, JudgedTrial
+from .exact_scoring import Score, score
 from .family_scoring import family_score, FamilyScore
 from .rig_trial import draw_rig_trial
-from .scoring import Score, score
 from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
 from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from ...scheduling import Call, Workers
@@ -138,11 +137,9 @@ def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
 
 def _run(command: list[str]) -> str:
     """Run a command and return its error message, '' on success."""
-    # One thread each: several diagnoses run in parallel.
-    environment = {**os.environ, 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
     try:
-        done = subprocess.run(command, env=environment, capture_output=True, text=True,
-                              timeout=_TIMEOUT_S, stdin=subprocess.DEVNULL)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S,
+                              stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         return f'not finished within {_TIMEOUT_S:g} s'
     lines = done.stderr.strip().splitlines()

@@ -6,12 +6,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
 import json
 import math
 from math import exp, log
 import os
 from pathlib import Path
-from typing import Any, Iterable, NamedTuple
+from typing import Any, Callable, Iterable, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -22,7 +23,7 @@ from .rig import simulate_rig
 from .rig_trial import integration_rate, rig_truth, RigTrial
 from .worlds import (
     draw_nominal_wall, draw_world, INTEGRATION_HZ, measure, Measurement, RandomWorld, Run,
-    scales_of, simulate, TRUTH_HZ)
+    scales_of, SensorModel, simulate, TRUTH_HZ)
 from ...messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ...physics import EFFECTS
 from ...physics.contact_effect import ContactEffect
@@ -121,8 +122,7 @@ def _conceal(
 
 def _is_usable(run: Run) -> bool:
     """Return whether the contact is long enough and free of hard impacts."""
-    contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
-    return contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
+    return run.contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
 
 
 def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL) -> list[str]:
@@ -145,11 +145,7 @@ def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallPara
 
 
 def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
-    """
-    Collect the ground truth of a trial.
-
-    force_floor: RMS of the recorded force noise [N]
-    """
+    """Collect the ground truth of a trial; force_floor: RMS of the recorded force noise [N]."""
     world, effect = trial.world, EFFECTS.get(trial.effect)
     effects = [] if effect is None else [
         {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values)}]
@@ -205,38 +201,33 @@ class TrialFiles(NamedTuple):
 
 
 def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
-    """Simulate a trial and write recording, nominal model and, last, the ground truth."""
-    run = simulate(trial.world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
-    measurement = measure(run, trial.world.sensors, rng)
-    with_velocity = trial.world.sensors.velocity_noise is not None
-    _write_inputs(files, measurement, with_velocity,
-                  nominal_model(trial.nominal, trial.world.robot))
-    write_json(files.truth, ground_truth(trial, run, measurement.force_floor))
+    """Simulate a trial and write its files."""
+    world = trial.world
+    run = simulate(world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
+    _write(files, run, world.sensors, nominal_model(trial.nominal, world.robot), True,
+           partial(ground_truth, trial, run), rng)
 
 
 def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
-    """
-    Simulate a trial on a rig and write recording, nominal model and, last, the ground truth.
-
-    An attached specimen has no robot, and its recording no reference.
-    """
+    """Simulate a trial on a rig and write its files; a specimen has no robot and no reference."""
     rig = trial.rig
     run = simulate_rig(rig, trial.make_law(), integration_rate(rig), rng)
-    measurement = measure(run, rig.sensors, rng)
-    _write_inputs(files, measurement, rig.sensors.velocity_noise is not None,
-                  nominal_model(trial.nominal, rig.robot), with_reference=rig.robot is not None)
-    write_json(files.truth, rig_truth(trial, run, measurement.force_floor))
+    _write(files, run, rig.sensors, nominal_model(trial.nominal, rig.robot),
+           rig.robot is not None, partial(rig_truth, trial, run), rng)
 
 
-def _write_inputs(
-    files: TrialFiles, measurement: Measurement, with_velocity: bool, nominal: str,
-    with_reference: bool = True,
+def _write(
+    files: TrialFiles, run: Run, sensors: SensorModel, nominal: str, with_reference: bool,
+    truth_of: Callable[[float], Any], rng: Generator,
 ) -> None:
-    """Write recording and nominal model."""
+    """Measure, and write recording, nominal model and, last, the truth, given the noise floor."""
+    measurement = measure(run, sensors, rng)
     files.recording.parent.mkdir(parents=True, exist_ok=True)
     files.recording.unlink(missing_ok=True)  # incomplete: the study was interrupted
-    _write_recording(files.recording, measurement, with_velocity, with_reference)
+    _write_recording(
+        files.recording, measurement, sensors.velocity_noise is not None, with_reference)
     files.nominal.write_text(nominal)
+    write_json(files.truth, truth_of(measurement.force_floor))
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -249,8 +240,7 @@ def write_json(path: Path, content: Any) -> None:
 
 def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
     """Write the nominal model: the wall as modelled, the true robot."""
-    environment = {'stiffness': wall.stiffness, 'damping': wall.damping,
-                   'location': wall.location}
+    environment = {'stiffness': wall.stiffness, 'damping': wall.damping, 'location': wall.location}
     values: dict[str, Any] = {'environment': environment}
     if not wall.unilateral:
         environment.update(inertia=wall.inertia, unilateral=False)

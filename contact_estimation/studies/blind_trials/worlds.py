@@ -212,6 +212,16 @@ class Run(NamedTuple):
     v_r: Array
     a_r: Array
 
+    @property
+    def contact_s(self) -> float:
+        """Return how long the tool presses [s]."""
+        return float(np.mean(self.force < 0.0)) * float(self.t[-1])
+
+    def control(self, robot: RobotParameters) -> Array:
+        """Return the control force of eq. (1) without F_e [N]."""
+        return np.asarray(robot.mass * self.a_r - robot.damping * (self.v - self.v_r)
+                          - robot.stiffness * (self.x - self.x_r))
+
 
 def simulate(
     world: RandomWorld, physics: Values, rate: float, integration_rate: float = SEARCH_HZ
@@ -246,12 +256,10 @@ def simulate(
 def scales_of(world: RandomWorld, run: Run) -> Scales:
     """Compute the characteristic magnitudes of a world."""
     robot, touching = world.robot, run.force < 0.0
-    control = (robot.mass * run.a_r - robot.damping * (run.v - run.v_r)
-               - robot.stiffness * (run.x - run.x_r))
     return Scales(
         depth=float(np.max(run.x - world.wall.location)),
         speed=float(np.percentile(np.abs(run.v[touching]), 98)) if touching.any() else 1e-3,
-        force=float(-np.min(run.force)), control=float(np.max(np.abs(control))),
+        force=float(-np.min(run.force)), control=float(np.max(np.abs(run.control(robot)))),
         greatest_pull=0.0, duration=float(run.t[-1]), stiffness=world.wall.stiffness,
         damping=world.wall.damping, mass=robot.mass,
         sample_period=float(run.t[1] - run.t[0]),

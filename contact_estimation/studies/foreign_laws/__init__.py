@@ -4,57 +4,28 @@
 """
 Laws of the literature that are not in the vocabulary of the diagnosis, by name.
 
-To add one: a file here and a line in one of the dictionaries.
+To add one: a class in the file of its topic and a line in one of the dictionaries.
 """
 
 from __future__ import annotations
 
-from .asymmetric_coulomb import AsymmetricCoulomb
-from .base_vibration import BaseVibration
-from .breathing_surface import BreathingSurface
-from .cogging_torque import CoggingTorque
-from .cross_talk import CrossTalk
-from .elastoplastic_friction import ElastoplasticFriction
-from .flexible_joint import FlexibleJoint
-from .flexible_mount import FlexibleMount
-from .foam_plateau import FoamPlateau
-from .force_ripple import ForceRipple
-from .fractional_relaxation import FractionalRelaxation
-from .fung_elasticity import FungElasticity
-from .jankowski_pounding import JankowskiPounding
-from .jkr_adhesion import JkrAdhesion
-from .joint_friction import JointFriction
-from .kuwabara_kono import KuwabaraKono
+from .damping import (
+    FractionalRelaxation, JankowskiPounding, KuwabaraKono, PowerLawDamper, PronyRelaxation,
+    QuasiLinearViscoelasticity, TsujiDamping)
+from .elasticity import (
+    FoamPlateau, ForceRipple, FungElasticity, JkrAdhesion, NeoHookean, RoughSurface, SoftSpell,
+    StiffnessRipple, WaltonBraun, WarmingWall)
+from .friction import (
+    AsymmetricCoulomb, ElastoplasticFriction, LuGreFriction, MagnetorheologicalDamper,
+    MaxwellSlip, PreisachHysteresis)
 from .law import ForeignLaw
-from .load_cell_creep import LoadCellCreep
-from .lugre_friction import LuGreFriction
-from .magnetorheological_damper import MagnetorheologicalDamper
-from .mains_hum import MainsHum
-from .maxwell_slip import MaxwellSlip
-from .neo_hookean import NeoHookean
-from .power_characteristic import PowerCharacteristic
-from .power_law_damper import PowerLawDamper
-from .preisach_hysteresis import PreisachHysteresis
-from .prony_relaxation import PronyRelaxation
-from .quasi_linear_viscoelasticity import QuasiLinearViscoelasticity
-from .resonant_mount import ResonantMount
-from .ringing_panel import RingingPanel
-from .rough_surface import RoughSurface
-from .sampled_command import SampledCommand
-from .second_order_filter import SecondOrderFilter
-from .settling_bias import SettlingBias
-from .slow_torque_loop import SlowTorqueLoop
-from .soft_clipping import SoftClipping
-from .soft_spell import SoftSpell
-from .soft_tool import SoftTool
-from .soft_torque_limit import SoftTorqueLimit
-from .stiffness_ripple import StiffnessRipple
-from .stribeck_joint import StribeckJoint
-from .tsuji_damping import TsujiDamping
-from .walton_braun import WaltonBraun
-from .warming_sensor import WarmingSensor
-from .warming_wall import WarmingWall
-from .windage import Windage
+from .robot import (
+    CoggingTorque, FlexibleJoint, JointFriction, SampledCommand, SlowTorqueLoop,
+    SoftTorqueLimit, StribeckJoint, Windage)
+from .sensor import (
+    CrossTalk, FlexibleMount, LoadCellCreep, MainsHum, PowerCharacteristic, ResonantMount,
+    SecondOrderFilter, SettlingBias, SoftClipping, SoftTool, WarmingSensor)
+from .surface import BaseVibration, BreathingSurface, RingingPanel
 
 FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'lugre_friction': LuGreFriction,

@@ -17,46 +17,34 @@ Array = NDArray[np.float64]
 Values = Mapping[str, float]
 """Parameters of a law by name."""
 
+Reply = tuple[float, Any]
+"""A force [N] and the state of the law after this step."""
+
 Strength = Callable[[float], Values]
 """From a magnitude, 0 (absent) to 1 (largest plausible), to the parameters of a law."""
 
 
 class Magnitudes(NamedTuple):
-    """
-    Orders of magnitude in a world, from which a law is drawn.
+    """Orders of magnitude in a world, from which a law is drawn."""
 
-    Attributes
-    ----------
-    depth, speed, force, control : float
-        Largest penetration [m], its rate [m/s], largest contact force and control force [N].
-    duration : float
-        Length of the experiment [s].
-    stiffness, damping, mass : float
-        K_e [N/m], B_e [N s/m] and moving mass [kg] of the world.
-
-    """
-
+    # depth, speed, force, control: largest penetration [m], its rate [m/s], largest contact force
+    # and control force [N]
     depth: float
     speed: float
     force: float
     control: float
-    duration: float
+    duration: float  # length of the experiment [s]
+    # stiffness, damping, mass: K_e [N/m], B_e [N s/m] and moving mass [kg] of the world
     stiffness: float
     damping: float
     mass: float
 
 
 class Signals(NamedTuple):
-    """
-    True signals along an experiment, of shape (N,) each.
+    """True signals along an experiment, of shape (N,) each."""
 
-    Attributes
-    ----------
-    t, x, v, a, force : ndarray
-        Time, evenly spaced [s], motion of the end-effector [m], [m/s], [m/s^2] and F_e [N].
-
-    """
-
+    # t, x, v, a, force: time, evenly spaced [s], motion of the end-effector [m], [m/s], [m/s^2]
+    # and F_e [N]
     t: Array
     x: Array
     v: Array
@@ -65,44 +53,22 @@ class Signals(NamedTuple):
 
 
 class Compliance(NamedTuple):
-    """
-    A tip on a spring and a damper in front of the body whose position is measured.
+    """A tip on a spring and a damper in front of the body whose position is measured."""
 
-    Attributes
-    ----------
-    mass, stiffness, damping : float
-        Of the tip [kg], of spring [N/m] and damper [N s/m].
-
-    """
-
+    # mass, stiffness, damping: of the tip [kg], of spring [N/m] and damper [N s/m]
     mass: float
     stiffness: float
     damping: float
 
 
 class ForeignLaw(ABC):
-    """
-    A law that is not in the vocabulary of the diagnosis.
+    """A law that is not in the vocabulary of the diagnosis; values: parameters by name."""
 
-    Attributes
-    ----------
-    port : str
-        Where the law acts: 'contact', 'force_sensor' or 'robot'.
-    families : tuple of str
-        Families of effects that describe it acceptably; empty where none does.
-    stages : tuple of str
-        Experiments in which the law shows: 'press' (robot with reference), 'specimen' (attached,
-        seconds), 'slow' (attached, minutes), 'drive' (attached mass).
-
-    Parameters
-    ----------
-    values : mapping
-        Parameters by name.
-
-    """
-
-    port: ClassVar[str]
+    port: ClassVar[str]  # where the law acts: 'contact', 'force_sensor' or 'robot'
+    # families of effects that describe it acceptably; empty where none does
     families: ClassVar[tuple[str, ...]] = ()
+    # experiments in which the law shows: 'press' (robot with reference), 'specimen' (attached,
+    # seconds), 'slow' (attached, minutes), 'drive' (attached mass)
     stages: ClassVar[tuple[str, ...]] = ('press', 'specimen')
 
     def __init__(self, values: Values) -> None:
@@ -110,23 +76,8 @@ class ForeignLaw(ABC):
 
     @classmethod
     @abstractmethod
-    def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
-        """
-        Draw everything but the magnitude at random.
-
-        Parameters
-        ----------
-        magnitudes : Magnitudes
-            Orders of magnitude in the world.
-        rng : numpy.random.Generator
-            Random generator.
-
-        Returns
-        -------
-        strength : callable
-            From a magnitude, 0 to 1, to the parameters.
-
-        """
+    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
+        """Draw everything but the magnitude at random, in a world of given magnitudes."""
 
     def compliance(self) -> Compliance | None:
         """Return the compliance between measured position and contact, None without."""
@@ -137,83 +88,36 @@ class ContactLaw(ForeignLaw):
     """
     A law of the contact: F_e = -(K_e d + B_e v + R) with R a function of t, d, v and own state.
 
-    Attributes
-    ----------
-    keeps_spring, keeps_damper : bool
-        Whether K_e d and B_e v remain beside R.
-    pulls : bool
-        Whether a unilateral contact may pull.
-
+    A law without memory overrides `force`, one with memory `respond`.
     """
 
     port = 'contact'
+    # keeps_spring, keeps_damper: whether K_e d and B_e v remain beside R
     keeps_spring: ClassVar[bool] = True
     keeps_damper: ClassVar[bool] = True
-    pulls: ClassVar[bool] = False
+    pulls: ClassVar[bool] = False  # whether a unilateral contact may pull
+    # state at the beginning and, unless `release` says otherwise, out of contact
+    rest: ClassVar[Any] = None
 
     def start(self, dt: float, count: int) -> Any:
-        """
-        Return the state at the beginning.
-
-        Parameters
-        ----------
-        dt : float
-            Step [s].
-        count : int
-            Number of steps to come.
-
-        Returns
-        -------
-        state : object
-            None for a law without memory.
-
-        """
-        return None
+        """Return the state at the beginning, `count` steps of `dt` [s] to come."""
+        return self.rest
 
     def surface(self, t: float) -> tuple[float, float]:
         """Return displacement [m] and velocity [m/s] of the surface at time t [s]."""
         return 0.0, 0.0
 
-    def respond(
-        self, t: float, d: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
-        """
-        Return the force in contact.
+    def force(self, t: float, d: float, v: float) -> float:
+        """Return R [N] at time t [s], penetration d [m] and its rate v [m/s]."""
+        return 0.0
 
-        Parameters
-        ----------
-        t, d, v : float
-            Time [s], penetration [m] and its rate [m/s].
-        dt : float
-            Time since the last call [s].
-        state : object
-            State after the last call.
+    def respond(self, t: float, d: float, v: float, dt: float, state: Any) -> Reply:
+        """Return R [N] and the state after a step dt [s] in contact; R resists penetration."""
+        return self.force(t, d, v), state
 
-        Returns
-        -------
-        R : float
-            Force [N], positive where it resists penetration.
-        state : object
-            State after this step.
-
-        """
-        return 0.0, state
-
-    def release(
-        self, t: float, d: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
-        """
-        Return the force out of contact, d <= 0; parameters as `respond`.
-
-        Returns
-        -------
-        pull : float
-            F_e [N].
-        state : object
-            State after this step.
-
-        """
-        return 0.0, state
+    def release(self, t: float, d: float, v: float, dt: float, state: Any) -> Reply:
+        """Return F_e [N] and the state after a step out of contact, d <= 0."""
+        return 0.0, self.rest
 
 
 class SensorLaw(ForeignLaw):
@@ -223,20 +127,7 @@ class SensorLaw(ForeignLaw):
 
     @abstractmethod
     def sense(self, signals: Signals) -> Array:
-        """
-        Return the measured force.
-
-        Parameters
-        ----------
-        signals : Signals
-            True signals.
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Measured F_e [N].
-
-        """
+        """Return the measured force [N], shape (N,), of true signals."""
 
 
 class RobotLaw(ForeignLaw):
@@ -246,48 +137,15 @@ class RobotLaw(ForeignLaw):
     stages = ('press',)
 
     def follow(self, t: Array, reference: Array) -> Array:
-        """
-        Return the reference that reaches the controller.
-
-        Parameters
-        ----------
-        t : ndarray, shape (N,)
-            Time [s].
-        reference : ndarray, shape (N, 3)
-            x_r, its rate and acceleration as sent.
-
-        Returns
-        -------
-        reference : ndarray, shape (N, 3)
-            As received.
-
-        """
+        """Return x_r, its rate and acceleration, shape (N, 3), as the controller receives them."""
         return reference
 
-    def drive(
-        self, u: float, x: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
+    def drive(self, u: float, x: float, v: float, dt: float, state: Any) -> Reply:
         """
-        Return the force that drives the robot's mass.
+        Return the force that drives the robot's mass [N], less friction, and the state.
 
-        Parameters
-        ----------
-        u : float
-            Force commanded by the impedance law [N].
-        x, v : float
-            Position [m] and velocity [m/s].
-        dt : float
-            Time since the last call [s].
-        state : object
-            State after the last call, 0.0 at first.
-
-        Returns
-        -------
-        force : float
-            Delivered force less friction [N].
-        state : object
-            State after this step.
-
+        u: force commanded by the impedance law [N]; x, v: position [m] and velocity [m/s]; dt:
+        time since the last call [s]; state: after the last call, 0.0 at first
         """
         return u, state
 

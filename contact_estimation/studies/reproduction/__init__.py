@@ -4,7 +4,7 @@
 """
 The paper's tables and figures: its simulation (section 4) and its experiment (section 5).
 
-`simulation_cases` run on the simulated plant, `testbed_cases` on a virtual testbed (`testbed_*`)
-that takes the place of the paper's robot and wall. `table` and `figures` run both.
+`cases` run on the simulated plant, or on a virtual testbed (`testbed_*`) that takes the place of
+the paper's robot and wall; `table` and `figures` run them.
 `three_contacts*` demonstrate eq. (6), which the paper derives for several contact points.
 """

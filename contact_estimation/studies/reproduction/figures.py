@@ -11,9 +11,8 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .case import B_E, K_E, OnlineCase
-from .simulation_cases import SIMULATION_CASES, step_recording
-from .testbed_cases import LONG_HOLD_S, online_cases, record_testbed_step
+from .cases import ALL_CASES, Case, PRBS_LONG, record_testbed_step, STEP, step_recording
+from .testbed_constants import B_E, K_E
 from ...estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 from ...figures import require_matplotlib
 from ...plant.closed_loop import ClosedLoopRun
@@ -25,7 +24,7 @@ _TESTBED_COLOURS = (_COLOURS[0], _COLOURS[1], _COLOURS[4])  # of the same estima
 _TRUE = '#9aa5b1'
 _BEFORE, _AFTER = 0.4, 0.3  # shown around the contact [s]
 
-Runs = list[tuple[OnlineCase, ClosedLoopRun]]
+Runs = list[tuple[Case, ClosedLoopRun]]
 
 
 def plot_figures(folder: Path) -> list[Path]:
@@ -42,9 +41,9 @@ def plot_figures(folder: Path) -> list[Path]:
 
 
 def _testbed_figures(pyplot: Any, folder: Path) -> list[Path]:
-    sine, sine_long = _testbed_runs('sine'), _testbed_runs('sine', LONG_HOLD_S)
-    prbs, prbs_long = _testbed_runs('prbs'), _testbed_runs('prbs', LONG_HOLD_S)
-    none = _testbed_runs('none')
+    sine, sine_long = _runs('testbed_sine'), _runs('testbed_sine_long')
+    prbs, prbs_long = _runs('testbed_prbs'), _runs('testbed_prbs_long')
+    none = _runs('testbed_none')
     return [
         _trajectories(pyplot, sine, folder / 'figure_10_testbed_trajectories.png'),
         _profiles(pyplot, 11, sine, folder / 'figure_11_testbed_sine_profiles.png'),
@@ -58,13 +57,12 @@ def _testbed_figures(pyplot: Any, folder: Path) -> list[Path]:
     ]
 
 
-def _simulation_cases(name: str) -> list[OnlineCase]:
-    return [c for c in SIMULATION_CASES if isinstance(c, OnlineCase) and c.case == name]
+def _cases(name: str) -> list[Case]:
+    return [c for c in (*ALL_CASES, *PRBS_LONG) if c.case == name and c.law != STEP]
 
 
-def _testbed_runs(excitation: str, hold_s: float = 2.0) -> Runs:
-    name = f'testbed_{excitation}' + ('_long' if hold_s == LONG_HOLD_S else '')
-    return [(case, case.simulate(0)) for case in online_cases(name, excitation, hold_s)]
+def _runs(name: str) -> Runs:
+    return [(case, case.simulate(0)) for case in _cases(name)]
 
 
 def _times(run: ClosedLoopRun) -> list[float]:
@@ -86,7 +84,7 @@ def _save(pyplot: Any, figure: Any, path: Path) -> Path:
 
 
 def _trajectory(pyplot: Any, path: Path) -> Path:
-    experiment = _simulation_cases('simulation_none')[0].experiment()
+    experiment = _cases('simulation_none')[0].experiment()
     t = np.arange(0.0, experiment.duration, 0.01)
     figure, axis = pyplot.subplots(figsize=(8.0, 3.5), layout='constrained')
     axis.plot(t, [experiment.desired(s).position for s in t.tolist()], color=_COLOURS[0],
@@ -125,7 +123,7 @@ def _profiles(pyplot: Any, number: int, runs: Runs, path: Path) -> Path:
 
 
 def _simulated(pyplot: Any, number: int, name: str, path: Path) -> Path:
-    runs: Runs = [(case, case.simulate(0)) for case in _simulation_cases(name)]
+    runs = _runs(name)
     labels = [f'{case.estimator}{case.variant}, {case.law}' for case, _ in runs]
     figure, axes = _estimates(pyplot, number, runs, labels, _COLOURS)
     for axis, true in zip(axes, (K_E, B_E)):

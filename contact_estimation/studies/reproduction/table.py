@@ -11,11 +11,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .case import Case, Errors, PAPER
-from .simulation_cases import SIMULATION_CASES
-from .testbed_cases import TESTBED_CASES
-
-ALL_CASES: list[Case] = [*SIMULATION_CASES, *TESTBED_CASES]
+from .cases import ALL_CASES, Case, Errors, PAPER
 
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
@@ -76,9 +72,7 @@ def as_text(rows: list[dict[str, Any]]) -> str:
             _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
             for kind in ('error', 'rms', 'average', 'bound')
         ]
-        paper = _pair(
-            row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1
-        )
+        paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
         lines.append(
             f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
             + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'

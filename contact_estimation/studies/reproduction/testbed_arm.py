@@ -69,12 +69,7 @@ class PlanarArm:
         self._j12, self._j23 = -j2, -j3
 
     def mass_matrix(self, angles: Triple) -> Symmetric:
-        """
-        Compute M(a).
-
-        angles: link angles [rad]
-        Returns M: upper triangle [kg m^2]
-        """
+        """Compute M(a); angles: link angles [rad]; returns M: upper triangle [kg m^2]."""
         a1, a2, a3 = angles
         return (
             self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3),
@@ -82,12 +77,7 @@ class PlanarArm:
         )
 
     def centrifugal(self, angles: Triple, rates: Triple) -> Triple:
-        """
-        Compute h(a, a').
-
-        angles, rates: link angles and rates [rad], [rad/s]
-        Returns h: torques [N m]
-        """
+        """Compute the torques h(a, a') [N m] at link angles [rad] and rates [rad/s]."""
         (a1, a2, a3), (w1, w2, w3) = angles, rates
         s12, s13 = self._c12 * sin(a1 - a2), self._c13 * sin(a1 - a3)
         s23 = self._c23 * sin(a2 - a3)
@@ -129,16 +119,8 @@ class PlanarArm:
             ),
         )
 
-    def joint_friction(
-        self, rates: Triple, dry: float = 1.0, viscous: float = 1.0
-    ) -> Triple:
-        """
-        Compute the friction of the gears.
-
-        rates: link rates [rad/s]
-        dry, viscous: fractions of dry and viscous friction to include
-        Returns torques: joint torques, positive against positive motion [N m]
-        """
+    def joint_friction(self, rates: Triple, dry: float = 1.0, viscous: float = 1.0) -> Triple:
+        """Compute the friction of the gears, of which shares are dry and viscous [N m]."""
         (w1, w2, w3), s = rates, self._p.friction_rate
         (c1, c2, c3), (b1, b2, b3) = self._p.coulomb_frictions, self._p.viscous_frictions
         v2, v3 = w2 - w1, w3 - w2
@@ -149,21 +131,12 @@ class PlanarArm:
         )
 
     def tip_x(self, angles: Triple) -> float:
-        """
-        Compute x of the tip, as `tip` does.
-
-        angles: link angles [rad]
-        Returns x: distance from the base [m]
-        """
+        """Compute the distance of the tip from the base [m], as `tip` does."""
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return l1 * cos(a1) + l2 * cos(a2) + l3 * cos(a3)
 
     def tip(self, angles: Triple, rates: Triple) -> Tip:
-        """
-        Compute pose and rate of the tip.
-
-        angles, rates: link angles and rates [rad], [rad/s]
-        """
+        """Compute pose and rate of the tip at link angles [rad] and rates [rad/s]."""
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)
         w1, w2, w3 = rates
         return Tip(
@@ -172,12 +145,7 @@ class PlanarArm:
         )
 
     def jacobian(self, angles: Triple) -> tuple[Triple, Triple]:
-        """
-        Compute the rows of J for x and y of the tip; the third is (0, 0, 1).
-
-        angles: link angles [rad]
-        Returns by_x, by_y: d x / d a and d y / d a [m]
-        """
+        """Compute d x / d a and d y / d a of the tip [m]; the third row is (0, 0, 1)."""
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return (
             (-l1 * sin(a1), -l2 * sin(a2), -l3 * sin(a3)),
@@ -185,12 +153,7 @@ class PlanarArm:
         )
 
     def angles_at(self, x: float, y: float, angle: float) -> Triple:
-        """
-        Solve the inverse kinematics, elbow up.
-
-        x, y, angle: pose of the tip [m], [m], [rad], within reach
-        Returns angles: link angles [rad]
-        """
+        """Solve the inverse kinematics for link angles [rad], elbow up."""
         l1, l2, l3 = self._p.lengths
         wrist_x, wrist_y = x - l3 * cos(angle), y - l3 * sin(angle)
         reach = hypot(wrist_x, wrist_y)
@@ -213,17 +176,8 @@ class ImpedanceController:
         self._model = PlanarArm(constants.arm, rotors=False)
         self._target = target
 
-    def torques(
-        self, angles: Triple, rates: Triple, force: float, reference: Reference
-    ) -> Triple:
-        """
-        Compute the motor torques for one sample period.
-
-        angles, rates: link angles and rates [rad], [rad/s]
-        force: measured F_e [N]
-        reference: x_r with derivatives, relative to the wall's surface
-        Returns torques: joint torques [N m]
-        """
+    def torques(self, angles: Triple, rates: Triple, force: float, reference: Reference) -> Triple:
+        """Compute the motor torques for one sample period [N m] from the measured F_e [N]."""
         accelerations = self._link_accelerations(angles, rates, force, reference)
         t1, t2, t3 = times(self._model.mass_matrix(angles), accelerations)
         h1, h2, h3 = self._model.centrifugal(angles, rates)

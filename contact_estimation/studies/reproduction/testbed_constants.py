@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """
-All constants of the virtual testbed, each with its origin.
+All constants of the virtual testbed, each with its origin, and the wall of all cases.
 
 "Paper" marks values from Erickson, Weber and Sharf (2003), sections 3 and 5. The paper leaves the
 others open. They were chosen once, to suit the described hardware and with the plain algorithms
@@ -24,7 +24,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .case import B_E, K_E
+K_E, B_E = 4800.0, 200.0
+"""True stiffness [N/m] and damping [N s/m] of the wall."""
 
 Triple = tuple[float, float, float]
 

@@ -69,13 +69,7 @@ def record_testbed(
     target: TargetImpedance, reference_at: Callable[[float], Reference], start: float,
     duration: float, acquisition: Acquisition, seed: int,
 ) -> ArmRecording:
-    """
-    Record a run along a given reference.
-
-    reference_at: time [s] to x_r with derivatives
-    start: tip position at t = 0, relative to the wall's surface [m]
-    duration: duration [s]
-    """
+    """Record some seconds along a reference, from a tip position relative to the wall [m]."""
     period = 1.0 / TESTBED.sample_rate
     world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)
     truths, samples, tips = [], [], []

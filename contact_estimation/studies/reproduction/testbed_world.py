@@ -28,22 +28,13 @@ class WallState(NamedTuple):
 
 
 def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
-    """
-    Compute the friction limit of the bearings at a rate: the Stribeck curve.
-
-    rate: rate of the deflection [m/s]
-    Returns force: F_c + (F_s - F_c) exp(-(v / v_s)^2) [N]
-    """
+    """Compute F_c + (F_s - F_c) exp(-(v / v_s)^2) of the bearings [N], the Stribeck curve."""
     more = wall.static_friction - wall.sliding_friction
     return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
 
 
 def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
-    """
-    Compute the rate of the untouched wall with rolling bearings.
-
-    Returns rate: rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s]
-    """
+    """Compute w' of the untouched wall [m/s] from 0 = K_e w + B_e w' + F_c z."""
     friction = wall.sliding_friction * state.friction
     return -(wall.stiffness * state.deflection + friction) / wall.damping
 
@@ -65,13 +56,7 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
 
 
 def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
-    """
-    Compute the force of a tool that moves with the wall.
-
-    rate: rate of the tool [m/s]
-    Returns force: K_e w + B_e w' + F(w') z [N]; negative where the tool retreats faster than the
-    wall
-    """
+    """Compute K_e w + B_e w' + F(w') z of a tool at a rate [m/s]; < 0: it retreats faster [N]."""
     friction = friction_limit(rate, wall) * state.friction
     return wall.stiffness * state.deflection + wall.damping * rate + friction
 
@@ -119,12 +104,7 @@ class TestbedWorld:
         return Truth(self.t, self._wall.deflection, rate, acceleration, -force, -force)
 
     def advance(self, duration: float, reference: Reference, force: float) -> None:
-        """
-        Compute the torques once and integrate over a sample period.
-
-        duration: sample period [s]
-        force: measured F_e [N]
-        """
+        """Compute the torques once from F_e [N], and integrate over a sample period [s]."""
         self._torques = self._controller.torques(self._angles, self._rates, force, reference)
         steps = self._p.steps_per_sample
         for _ in range(steps):
@@ -143,8 +123,7 @@ class TestbedWorld:
         w1, w2, w3 = self._rates
         b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
         (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
-        return (x1 * b1 + x2 * b2 + x3 * b3
-                - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
+        return (x1 * b1 + x2 * b2 + x3 * b3 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
 
     def _step(self, h: float) -> None:
         """Integrate one step by the midpoint rule."""
@@ -187,7 +166,6 @@ class RawAcquisition(Acquisition):
     """Raw samples, for estimators that filter and differentiate themselves."""
 
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """Return force and position unchanged; see `Acquisition.process`."""
         return force, position, nan
 
 
@@ -205,7 +183,6 @@ class PaperAcquisition(Acquisition):
         self._last = nan
 
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """Filter, differentiate, subtract; see `Acquisition.process`."""
         last = self._last if self._last == self._last else position
         self._last = position
         row = force, position, (position - last) * self._rate

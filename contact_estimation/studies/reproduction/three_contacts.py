@@ -61,11 +61,7 @@ class Instant(NamedTuple):
 
 
 def motion_at(t: float) -> ToolMotion:
-    """
-    Return the prescribed pose and twist of the tool.
-
-    t: time [s]
-    """
+    """Return the prescribed pose and twist of the tool; t: time [s]."""
     place, rate = [*_START, _PITCH], [0.0] * 4
     for axis, begin, duration, way in _MOVES:
         x, v, _ = quintic(0.0, way, duration, t - begin)
