@@ -10,7 +10,6 @@ import runpy
 from typing import Any
 
 import contact_estimation as ce
-from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import changed
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.reference.experiment import Experiment, Multisine, Segment
@@ -51,8 +50,7 @@ def plot_effect(name: str, folder: Path) -> dict[str, float]:
         Parameters of the effect in the plot.
 
     """
-    keys = [spec.name for spec in specifications(ce.EFFECTS[name].Parameters)]
-    values = dict(zip(keys, example_values(name)))
+    values = dict(zip(ce.EFFECTS[name].neutral(), example_values(name)))
     path = folder / f'{name}.png'
     if not path.exists():
         effect = {f'physics.{name}.{key}': value for key, value in values.items()}

@@ -72,7 +72,7 @@ def _effect_section(name: str, cls: Any, shown: dict[str, float]) -> str:
     values = ', '.join(f'{key}: {value:g}' for key, value in shown.items())
     return '\n\n'.join([
         f'## {name}', cls.description, f'```text\n{cls.equation}\n```',
-        parameter_table(cls.Parameters),
+        parameter_table(cls),
         f':::{{figure}} {name}.png\n:alt: Simulation with and without {name}\n\n'
         f'Simulated with `{name}: {{{values}}}` (blue) and without (grey).\n:::',
     ])

@@ -15,7 +15,6 @@ from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Effect
@@ -94,8 +93,8 @@ def _dotted(changes: dict[str, Any]) -> dict[str, Any]:
 
 def physics(name: str, *values: float) -> dict[str, Any]:
     """Name an effect's parameters with dots as double underscores."""
-    names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
-    return {f'physics__{name}__{key}': value for key, value in zip(names, values)}
+    return {f'physics__{name}__{key}': value
+            for key, value in zip(EFFECTS[name].neutral(), values)}
 
 
 def recorded(experiment: Experiment = TOUCHES, seed: int = 1, **changes: Any) -> Signals:

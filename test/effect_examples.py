@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.parameters.specification import specifications
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.drawn_effect import Scales
 from contact_estimation.physics.effect import Effect
+from contact_estimation.physics.prior import Scales
 
 SCALES = Scales(
     depth=0.013, speed=0.1, force=60.0, control=200.0, greatest_pull=0.0, duration=1.4,
@@ -75,16 +74,16 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
 
 def example_values(name: str) -> tuple[float, ...]:
     """Give all parameters of an effect."""
-    return EXAMPLES.get(name) or EFFECTS[name].starts(SCALES)[0]
+    return EXAMPLES.get(name) or EFFECTS[name].prior(SCALES).starts[0]
 
 
 def example(name: str, values: tuple[float, ...] | None = None) -> Any:
     """Make an effect, of its usual values by default."""
     cls: type[Effect] = EFFECTS[name]
-    return cls(cls.Parameters(*(values or example_values(name))))
+    return cls(*(values or example_values(name)))
 
 
 def switched_on(name: str, prefix: str = 'physics.') -> dict[str, float]:
     """Give the parameters that switch an effect on, by their dotted names."""
-    names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
-    return {f'{prefix}{name}.{key}': value for key, value in zip(names, example_values(name))}
+    return {f'{prefix}{name}.{key}': value
+            for key, value in zip(EFFECTS[name].neutral(), example_values(name))}

@@ -5,71 +5,81 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sin
-from types import SimpleNamespace
 from typing import Any
 
-from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.parameters.specification import optional_parameter
+from contact_estimation.physics.contact_effect import ContactEffect, State
 from contact_estimation.physics.effect import Effect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.numeric import Number
 from contact_estimation.physics.robot_effect import RobotEffect
 
 
+@dataclass(frozen=True)
 class SoftSpell(ContactEffect):
     """A wall that is softer during an interval."""
 
-    name = 'soft_spell'
+    softer: float = optional_parameter('', '1')
+    first: float = optional_parameter('', '1')
+    last: float = optional_parameter('', '1')
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
         """Return the missing spring force; see `ContactEffect.resistance`."""
-        return -self.values.softer * d if self.values.first < t < self.values.last else 0.0
+        return -self.softer * d if self.first < t < self.last else 0.0
 
 
+@dataclass(frozen=True)
 class WarmingWall(ContactEffect):
     """A wall that softens as motion warms it, and recovers as it cools."""
 
-    name = 'warming_wall'
+    softening: float = optional_parameter('', '1')
+    tau: float = optional_parameter('', '1')
     states = 1  # warmth, as distance travelled in contact [m]
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
         """Return the missing spring force; see `ContactEffect.resistance`."""
-        return -self.values.softening * state[0] * d
+        return -self.softening * state[0] * d
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
         """Return the rate of warmth: heating by motion in contact, exponential cooling."""
-        return ((abs(v) if contact else 0.0) - state[0] / self.values.tau,)
+        return ((abs(v) if contact else 0.0) - state[0] / self.tau,)
 
 
+@dataclass(frozen=True)
 class Ripple(ContactEffect):
     """A force periodic in the depth, as of a thread or of magnets."""
 
-    name = 'ripple'
+    amplitude: float = optional_parameter('', '1')
+    wavelength: float = optional_parameter('', '1')
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
         """Return the periodic force; see `ContactEffect.resistance`."""
-        return self.values.amplitude * sin(2.0 * pi * d / self.values.wavelength)
+        return self.amplitude * sin(2.0 * pi * d / self.wavelength)
 
 
+@dataclass(frozen=True)
 class Hum(ForceSensorEffect):
     """A force sensor that picks up the mains."""
 
-    name = 'hum'
+    amplitude: float = optional_parameter('', '1')
+    frequency: float = optional_parameter('', '1')
 
-    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+    def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
         """Return the disturbed force; see `ForceSensorEffect.sense`."""
-        return force + float(self.values.amplitude) * sin(2.0 * pi * self.values.frequency * t)
+        return force + self.amplitude * m.sin(2.0 * pi * self.frequency * t)
 
 
+@dataclass(frozen=True)
 class DeadBand(RobotEffect):
     """Drives that do not answer to small forces."""
 
-    name = 'dead_band'
+    width: float = optional_parameter('', '1')
 
     def control(self, u: Any, m: Any) -> Any:
         """Return what exceeds the band; see `RobotEffect.control`."""
-        width = self.values.width
+        width = self.width
         return u - 0.5 * (abs(u + width) - abs(u - width))
 
 
@@ -80,5 +90,4 @@ OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
 
 def make_outside(name: str, **values: float) -> Effect:
     """Build an effect outside the library, to pass to `World`."""
-    parameters: Any = SimpleNamespace(**values)
-    return OUTSIDE_EFFECTS[name](parameters)
+    return OUTSIDE_EFFECTS[name](**values)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from arm_contact import instants, K_E, LOCATION, messages, NORMAL, PARAMETERS
 from contact_estimation.commands import replay
-from contact_estimation.diagnosis.observe.read_recording import read_recording
+from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import encode_string
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent

@@ -13,7 +13,7 @@ from typing import Any, Iterable, Mapping
 from arm_contact import B_E, instants, K_E, LOCATION, messages, PARAMETERS
 from arm_transforms import OF_TF, static_bytes, tf_messages
 from contact_estimation.commands import replay
-from contact_estimation.diagnosis.observe.read_recording import read_recording
+from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import encode_string
 from contact_estimation.parameters.values import build, flatten

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from blind_worlds import synthetic_run, WORLD
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.drawn_effect import Scales
+from contact_estimation.physics.prior import Scales
 from contact_estimation.studies.blind_trials.concealment import residual
 from contact_estimation.studies.blind_trials.trial import EFFECTS_OF_A_WALL, plan_effects
 from contact_estimation.studies.blind_trials.worlds import RandomWorld, Run
@@ -36,7 +36,7 @@ def test_a_plan_has_every_effect_once_before_any_comes_twice() -> None:
 def test_parameters_move_away_from_neutral_as_the_strength_grows() -> None:
     for name in EFFECTS:
         strength = EFFECTS[name].draw(SCALES, np.random.default_rng(1))
-        neutral = EFFECTS[name].neutral
+        neutral = EFFECTS[name].neutral()
 
         def distance(s: float) -> float:
             values = strength(s)
@@ -45,8 +45,7 @@ def test_parameters_move_away_from_neutral_as_the_strength_grows() -> None:
             return sum(abs(v - neutral.get(k, 0.0)) for k, v in values.items() if k != 'K_n')
 
         assert distance(0.2) < distance(0.4), name
-        cls = EFFECTS[name]
-        assert cls(cls.Parameters(**strength(0.3))).plausible(cls.Parameters(**strength(0.3)))
+        assert EFFECTS[name](**strength(0.3)).is_possible(SCALES.stiffness, SCALES.damping), name
 
 
 # -- concealment ----------------------------------------------------------------------------

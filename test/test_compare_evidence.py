@@ -9,7 +9,7 @@ from dataclasses import replace
 from math import exp, log
 from typing import Sequence
 
-from contact_estimation.diagnosis.compare.beam import Compared
+from contact_estimation.diagnosis.compare.beam import Compared, refit, search
 from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
 from contact_estimation.diagnosis.compare.evidence import Evidence, explained, of_families, Scored
 from contact_estimation.diagnosis.compare.names import name
@@ -83,6 +83,45 @@ def test_a_law_is_taken_if_its_likelihood_pays_its_prior(gain: float, worth: boo
     assert (found.score(law) > found.score(base)) is worth
 
 
+@pytest.mark.parametrize('base, best, worse', [
+    # No part outweighs the others.
+    ((2e3, 20, 20, 20, 20), scored((2e3, 2, 2, 2, 2), 'a'), scored((20, 20, 20, 20, 20), 'b')),
+    # A model that leaves noise alone beats one that leaves a misfit, by however many laws.
+    ((200, 200, 200, 200, 200), scored(1.0, 'a', 'b', 'c'), scored(20.0, 'd')),
+    # What is less than any law idealises does not pay a law, but what is more does.
+    ((1e3, 1e3, 1e3, 1e3, 1e3), scored(29.0, 'a'), scored(9.0, 'a', 'b')),
+    ((1e3, 1e3, 1e3, 1e3, 1e3), scored(9.0, 'a', 'b'), scored(810.0, 'a')),
+    # The same error by rarer curves is less likely.
+    ((90, 90, 90, 90, 90), scored(5.0, 'a'), replace(scored(5.0, 'b'), curves=1)),
+])
+def test_order_of_models(base: Sequence[float], best: Scored, worse: Scored) -> None:
+    constants = CHEAP._replace(ideal=0.0) if base[0] > 1e3 else CONSTANTS
+    assert evidence(scored(base), constants).ranked([worse, best]) == [best, worse]
+
+
+@pytest.mark.parametrize('rounding', [-1e-12, 0.0, 1e-12])
+def test_ties_follow_the_prior_order_and_share_their_weight(rounding: float) -> None:
+    first, second = scored(5.0 * (1.0 + rounding), 'a'), scored(5.0, 'b')
+    found = evidence(scored(90.0))
+    assert found.ranked([second, first]) == found.ranked([first, second]) == [first, second]
+    np.testing.assert_allclose(found.weights([first, second], 0), 0.5, atol=1e-9)
+
+
+def test_few_parts_prove_little() -> None:
+    one_part = [scored((90, 90, 90, 90, 1e4)), scored((90, 90, 90, 90, 1.0), 'a')]
+    every_part = [scored(300.0), scored(30.0, 'a')]
+    few, all_of_them = (evidence(pair[0], CHEAP).weights(pair, 0)[1]
+                        for pair in (one_part, every_part))
+    assert few < all_of_them
+
+
+def test_models_tell_how_large_noise_is_and_what_zeros_leave() -> None:
+    base, zero = scored(1e6, motion=5.0), scored(100.0, 'bias', motion=5.0, laws=0)
+    found = evidence(base).informed_by([base, zero, scored(1.3, 'a', motion=1.9)])
+    np.testing.assert_allclose(found.noise, np.tile((1.3, 1.44), (PARTS, 1)))  # type: ignore
+    assert found.misfit == pytest.approx([99.0, 4.0])
+
+
 def test_probability_of_a_family_is_the_weight_of_its_models() -> None:
     models = [scored(1.0), scored(1.0, 'a'), scored(1.0, 'a', 'b')]
     assert of_families(models, np.array([0.2, 0.5, 0.3])) == pytest.approx(
@@ -94,6 +133,18 @@ def test_share_is_that_of_the_squared_misfit_beyond_noise() -> None:
     assert share.share == pytest.approx(0.75)
     assert share.interval == pytest.approx((0.75, 0.75))
     np.testing.assert_allclose(share.parts, 0.75)
+
+
+@pytest.mark.parametrize('base, left, low, share', [
+    ((101, 101, 101, 101, 101), (11, 191, 21, 186, 101), -np.inf, -0.01),  # parts that disagree
+    ((101, 101, 101, 101, 4001), (6, 6, 6, 6, 4001), 0.0, 4 * 95.0 / 600.0),  # counts as two
+])
+def test_a_share_is_as_sure_as_parts_agree_and_no_part_is_it_alone(
+    base: Sequence[float], left: Sequence[float], low: float, share: float
+) -> None:
+    found = explained(evidence(scored(base)), scored(left, 'a'))
+    assert found.share == pytest.approx(share)
+    assert found.interval[0] > low and (found.interval[0] < 0.0) is (share < 0.1)
 
 
 def named(*models: Scored) -> list[tuple[str, list[str]]]:
@@ -112,3 +163,62 @@ def test_the_likely_family_is_named_with_laws_alike() -> None:
     alike = replace(scored(3.0, 'b'), families=('family of a',))
     assert named(base, law) == [('a', [])]
     assert named(base, law, alike, scored(30.0, 'c')) == [('a', ['b'])]
+
+
+@pytest.mark.parametrize('models, names', [
+    ([scored(1.0), scored(0.9, 'a')], []),
+    ([scored(300.0), *(scored(3.0, one) for one in 'abc')], []),  # no family is likely
+    ([scored(3e3), scored(1.9, 'a'), scored(2e3, 'b'), scored(1.0, 'a', 'b')], ['a']),  # a trifle
+])
+def test_what_is_unlikely_or_little_is_not_named(models: list[Scored], names: list[str]) -> None:
+    assert [one for one, _ in named(*models)] == names
+
+
+class Worlds:
+    """Models whose effects, each of a family of its own, leave shares of a misfit."""
+
+    def __init__(self, **factors: float) -> None:
+        self._factors = factors
+        self.fitted, self.extended = list[frozenset[str]](), list[frozenset[str]]()
+
+    def evidence(self) -> Evidence:
+        """Compare with the base."""
+        return evidence(scored(1e4))
+
+    def extensions(self, one: Scored) -> list[Scored]:
+        """Add each effect that is not there."""
+        self.extended.append(one.key)
+        added = [(*one.effects, more) for more in self._factors if more not in one.effects]
+        return [scored(max(1e4 * float(np.prod([self._factors[each] for each in effects])), 1.0),
+                       *effects) for effects in added]
+
+    def siblings(self, one: Scored) -> list[Scored]:
+        """Return none."""
+        return []
+
+    def to_the_end(self, one: Scored) -> Scored | None:
+        """Keep which are fitted."""
+        self.fitted.append(one.key)
+        return one
+
+
+@pytest.mark.parametrize('factors, found, never', [
+    ({'a': 0.25, 'b': 0.3, 'c': 0.95, 'd': 0.99}, {'a', 'b'}, 'fitted'),  # least of all d
+    ({'d': 1e-4, 'b': 0.5}, {'d'}, 'extended'),  # nothing is left to gain
+])
+def test_search_adds_laws_that_pay(
+    factors: dict[str, float], found: set[str], never: str
+) -> None:
+    space = Worlds(**factors)
+    compared = search(space, lambda text: None)
+    assert compared.models[0].key == found
+    assert compared.score == compared.evidence.score(compared.models[0])
+    assert frozenset('d') not in getattr(space, never)
+
+
+def test_known_models_are_fitted_again_and_the_best_is_extended() -> None:
+    space = Worlds(a=0.01, b=0.02)
+    known = refit(space, [scored(100.0, 'a')])
+    assert [one.effects for one in known.models] == [('a',), ()] and not space.extended
+    assert search(space, lambda text: None, known).models[0].key == {'a', 'b'}
+    assert space.extended[0] == {'a'} and frozenset() not in space.extended

@@ -9,13 +9,11 @@ from typing import Any
 
 from concealed_worlds import MODEL, physics, prepared_from, recorded
 from contact_estimation.diagnosis.compare.evidence import explained
-from contact_estimation.diagnosis.fit.applicable import candidates_in
-from contact_estimation.diagnosis.fit.discrepancy import standard_deviations
+from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_deviations
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of
-from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
-from contact_estimation.diagnosis.fit.space import ContactModels
+from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np
 import pytest

@@ -24,6 +24,7 @@ from concealed_worlds import (
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.model import names_of
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.effect import Need
 import numpy as np
 from outside_effects import OUTSIDE_EFFECTS
 import pytest
@@ -108,7 +109,7 @@ def of_clean(seed: int) -> Diagnosis:
 
 @pytest.mark.parametrize('name', EFFECTS)
 def test_effect_is_named_with_its_parameters_and_the_wall(name: str) -> None:
-    wall = {'environment__unilateral': not EFFECTS[name].needs_attachment}
+    wall = {'environment__unilateral': Need.ATTACHMENT not in EFFECTS[name].needs}
     world = {**physics(name, *WORLDS[name]), **wall, **FINER.get(name, {})}
     found = diagnosed(recorded(**world), nominal(**wall))
     assert (found.verdict, named(found)) == ('physics_missing', [name])

@@ -10,11 +10,9 @@ from typing import Any
 
 from concealed_worlds import FORCE_NOISE, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit.discrepancy import (
-    correlation_time, material, std_beyond_noise, with_discrepancy,
-)
-from contact_estimation.diagnosis.observe.channel import Channel
+    correlation_time, material, std_beyond_noise, with_discrepancy)
+from contact_estimation.diagnosis.observe.channel import Channel, force_noise
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.noise import force_noise
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.smoothing import differentiate, smooth, white_noise_std

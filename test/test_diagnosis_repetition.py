@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, nominal, recorded
-from contact_estimation.diagnosis.compare.order import ranked
+from contact_estimation.diagnosis.compare.evidence import ranked
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.observe.usable_samples import updates

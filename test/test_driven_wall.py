@@ -47,7 +47,7 @@ def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
         pytest.skip('what was clipped is lost')
     model = with_effect(name, **WALL)
     nominal = run_driven_wall(plant_with(**WALL), T, FORCE, 0.0)
-    effect = EFFECTS[name].when_on(getattr(model.physics, name))
+    effect = getattr(model.physics, name)
     acceleration = np.gradient(np.gradient(nominal, T), T)
     reading = effect.sense_along(T, FORCE, acceleration)  # type: ignore[union-attr]
     got = run_driven_wall(model, T, reading, 0.0)

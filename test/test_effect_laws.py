@@ -9,6 +9,7 @@ from typing import Any
 
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_law import ContactLaw
+from contact_estimation.physics.effect import Need
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
@@ -121,7 +122,7 @@ def test_robot_on_arrays_moves_as_the_plant() -> None:
 # Where the tool turns, a play switches without end.
 @pytest.mark.slow
 def test_attached_wall_obeys_the_law_at_all_times() -> None:
-    for name in (n for n in WALL if not EFFECTS[n].needs_touch and n != 'backlash'):
+    for name in (n for n in WALL if Need.TOUCH not in EFFECTS[n].needs and n != 'backlash'):
         t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)
         got = law_of(name, unilateral=False).force(t, x, v, a)
         assert np.max(force) > 1.0, name  # it pulls

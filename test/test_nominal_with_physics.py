@@ -47,7 +47,7 @@ def test_corrected_model_is_read_from_its_file(tmp_path: Path) -> None:
 def test_physics_of_the_nominal_model_are_recalibrated() -> None:
     found = again(5, **physics('coulomb_friction', 1.5 * F_C))
     assert (found.verdict, named(found)) == ('recalibrate', [])
-    assert found.recalibrated.parameters_of('coulomb_friction').F_c == pytest.approx(
+    assert found.recalibrated.effect('coulomb_friction').values()['F_c'] == pytest.approx(
         1.5 * F_C, rel=0.03)
     assert 'F_c' in as_text(found)
 
@@ -57,4 +57,5 @@ def test_what_lacks_beyond_is_named_alone() -> None:
     assert (found.verdict, named(found)) == ('physics_missing', ['quadratic_damping'])
     value, = found.effects[0].parameters.values()
     assert value.value == pytest.approx(600.0, rel=0.1)
-    assert found.corrected.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.1)
+    friction = found.corrected.effect('coulomb_friction')
+    assert friction.values()['F_c'] == pytest.approx(F_C, rel=0.1)

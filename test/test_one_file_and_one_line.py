@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""A new effect or estimator is one new file and its line in the dictionary, nothing else."""
+"""A new effect or estimator is one new file and its line in the registry, nothing else."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ import pytest
 HERE = Path(__file__).resolve().parent
 
 
-def add(package: Path, toy: str, dictionary: str) -> None:
-    """Copy a file into a package and enter its class into the dictionary of the package."""
+def add(package: Path, toy: str, *changes: tuple[str, str]) -> None:
+    """Copy a file into a package, and add lines after others to its `__init__.py`."""
     shutil.copy(HERE / f'{toy}.py', package)
-    name = toy.title().replace('_', '')
-    before, entry, after = (package / '__init__.py').read_text().partition(f'{dictionary}: dict[')
-    after = after.replace(' = {\n', f" = {{\n    '{toy}': {name},\n", 1)
-    registry = f'{before}from .{toy} import {name}\n\n{entry}{after}'
+    registry = (package / '__init__.py').read_text()
+    for line, added in changes:
+        assert registry.count(line) == 1
+        registry = registry.replace(line, line + added)
     (package / '__init__.py').write_text(registry)
 
 
@@ -36,8 +36,13 @@ def facts(tmp_path_factory: pytest.TempPathFactory) -> Any:
     package = folder / 'contact_estimation'
     shutil.copytree(contact_estimation.__path__[0], package,
                     ignore=shutil.ignore_patterns('__pycache__'))
-    add(package / 'physics', 'toy_effect', 'EFFECTS')
-    add(package / 'estimators', 'toy_estimator', 'ESTIMATORS')
+    add(package / 'physics', 'toy_effect', (
+        'EFFECTS: dict[str, type[Effect]] = {name: _class_of(name) for name in (\n',
+        "    'toy_effect',\n"))
+    add(package / 'estimators', 'toy_estimator',
+        ('ESTIMATORS: dict[str, type[OnlineEstimator]] = {\n',
+         "    'toy_estimator': ToyEstimator,\n"),
+        ('from __future__ import annotations\n', 'from .toy_estimator import ToyEstimator\n'))
     shutil.copy(HERE / 'extended_package_facts.py', folder)
     done = subprocess.run(
         [sys.executable, 'extended_package_facts.py', str(folder)], cwd=folder,

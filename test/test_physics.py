@@ -8,11 +8,11 @@ from __future__ import annotations
 import dataclasses
 from functools import lru_cache
 import math
-from math import isnan, nan
+from math import isnan
 from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.specification import parameter, ParameterGroup, specifications
+from contact_estimation.parameters.specification import optional_parameter, specifications
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
@@ -42,7 +42,7 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'torque_saturation': {'physics__torque_saturation__limit': 1e9},
 }
 WITHOUT_DAMPING = {name for name, cls in EFFECTS.items()
-                   if getattr(cls, 'replaces_damping', False)}
+                   if 'damper' in cls.changes}
 PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': RobotEffect}
 
 
@@ -53,17 +53,11 @@ def without_effects(**wall: Any) -> list[Truth]:
 
 
 @dataclasses.dataclass(frozen=True)
-class TwoParameters(ParameterGroup):
-    """Parameters of an effect that needs both."""
-
-    first: float = parameter(nan, 'One', nan_is_off=True)
-    second: float = parameter(nan, 'Other', nan_is_off=True)
-
-
 class NeedsTwo(ContactEffect):
     """An effect with two parameters."""
 
-    name, equation, Parameters = 'needs_two', 'F_e -= first + second', TwoParameters
+    first: float = optional_parameter('One', 'N')
+    second: float = optional_parameter('Other', 'N')
 
 
 def test_name_is_the_key_and_port_that_of_the_base() -> None:
@@ -73,8 +67,8 @@ def test_name_is_the_key_and_port_that_of_the_base() -> None:
 
 def test_parameters_are_off_by_default_and_described() -> None:
     for name, effect in EFFECTS.items():
-        assert effect.when_on(effect.Parameters()) is None, name
-        for spec in specifications(effect.Parameters):
+        assert not effect().is_on(), name
+        for spec in specifications(effect):
             assert isinstance(spec.default, float) and isnan(spec.default), (name, spec.name)
             assert spec.nan_is_off, (name, spec.name)
             assert spec.unit and len(spec.description) > 8, (name, spec.name)
@@ -83,10 +77,9 @@ def test_parameters_are_off_by_default_and_described() -> None:
 
 def test_effect_with_neutral_parameters_changes_nothing() -> None:
     for name in EFFECTS:
-        names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
         wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
-        neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
-                        for key in names}
+        neutral: Any = {f'physics__{name}__{key}': value
+                        for key, value in EFFECTS[name].neutral().items()}
         neutral.update(VANISHING.get(name, {}))
         got = np.array(simulate(350, plant_with(**wall, **neutral)))
         nominal = np.array(without_effects(**wall))
@@ -106,4 +99,4 @@ def test_law_gives_the_same_for_numbers_and_arrays() -> None:
 
 def test_effect_with_only_some_of_its_parameters_is_refused() -> None:
     with pytest.raises(ParameterRangeError, match='needs_two needs all of first, second; missing'):
-        NeedsTwo.when_on(TwoParameters(first=1.0))
+        NeedsTwo(first=1.0).is_on()

@@ -129,6 +129,6 @@ def with_effect(name: str, **values: Any) -> PlantParameters:
 def register(monkeypatch: pytest.MonkeyPatch, effect: type[Effect]) -> Any:
     """Register an effect for one test and give physics in which it is on."""
     monkeypatch.setitem(EFFECTS, effect.name, effect)
-    groups = {name: cls.Parameters() for name, cls in EFFECTS.items()}
-    groups[effect.name] = effect.Parameters(1.0)  # type: ignore[call-arg]
+    groups = {name: cls() for name, cls in EFFECTS.items()}
+    groups[effect.name] = effect(1.0)  # type: ignore[call-arg]
     return type('Physics', (), groups)()

@@ -19,7 +19,7 @@ from .picture import picture_trace, write_picture
 from .progress import Progress
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from ..diagnosis.checks import check
-from ..diagnosis.observe.read_recording import read_recording
+from ..diagnosis.observe.signals import read_recording
 from ..estimators import ONLINE_ESTIMATORS
 from ..estimators.estimate import AxesEstimates
 from ..estimators.stiffness_matrix import MatrixEstimate

@@ -16,8 +16,7 @@ from .fingerprint import Settings
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose
 from ..diagnosis.conclude.result import Diagnosis
-from ..diagnosis.observe.read_recording import read_recording
-from ..diagnosis.observe.signals import Recording
+from ..diagnosis.observe.signals import read_recording, Recording
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..estimators.estimate import Estimate, EstimateStatus

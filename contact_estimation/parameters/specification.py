@@ -9,7 +9,7 @@ import dataclasses
 import functools
 import math
 import re
-from typing import Any, Iterator, Sequence
+from typing import Any, Iterator, Sequence, TypeVar
 
 from ..exceptions import ParameterRangeError, UnknownNameError
 
@@ -61,6 +61,9 @@ class ParameterSpecification:
     choices: tuple[str, ...] = ()
     read_only: bool = False  # whether the parameter is fixed at start
     nan_is_off: bool = False  # whether NaN is valid and switches the feature off
+    neutral: float = 0.0  # value at which an effect vanishes
+    linear: bool = False  # whether a law is linear in it, as it is in its first parameter
+    logarithmic: bool = False  # whether it is searched on a logarithmic scale
 
     @property
     def valid_range(self) -> str:
@@ -173,14 +176,17 @@ def parameter(
 
 
 def optional_parameter(
-    description: str, unit: str, minimum: float | None = None, maximum: float | None = None
+    description: str, unit: str, minimum: float | None = None, maximum: float | None = None,
+    **search: float | bool,
 ) -> Any:
     """
     Declare a number that is NaN by default, which switches its feature off.
 
+    search: `neutral`, `linear` or `logarithmic` of `ParameterSpecification`
     Returns field: to be assigned in the body of a `ParameterGroup`
     """
-    return parameter(math.nan, description, unit, minimum, maximum, nan_is_off=True)
+    declared = parameter(math.nan, description, unit, minimum, maximum, nan_is_off=True)
+    return dataclasses.field(default=math.nan, metadata={**declared.metadata, **search})
 
 
 def group(cls: type[ParameterGroup], description: str = '') -> Any:
@@ -195,21 +201,28 @@ class ParameterGroup:
 
     def __post_init__(self) -> None:
         """Check types, ranges and choices of all fields."""
-        cls: Any = type(self)  # mypy takes it for unhashable, as its instances may be
-        for own in _own_specifications(cls):
+        for own in own_specifications(type(self)):
             object.__setattr__(self, own.name, own.check(getattr(self, own.name)))
 
 
-def of_valid(cls: type[ParameterGroup], values: Sequence[float]) -> ParameterGroup:
+Group = TypeVar('Group', bound=ParameterGroup)
+
+
+def of_valid(cls: type[Group], values: Sequence[float]) -> Group:
     """Construct a group without checks, for a search that keeps to the ranges."""
     made = object.__new__(cls)
-    made.__dict__.update(zip(cls.__dataclass_fields__, values))
+    made.__dict__.update(zip([own.name for own in own_specifications(cls)], values))
     return made
 
 
-@functools.lru_cache(maxsize=None)
+def own_specifications(cls: type[ParameterGroup]) -> tuple[ParameterSpecification, ...]:
+    """List the parameters of a class without nested groups."""
+    hashable: Any = cls  # mypy takes it for unhashable, as its instances may be
+    return _own_specifications(hashable)
+
+
+@functools.lru_cache(maxsize=None)  # fits construct many of each class
 def _own_specifications(cls: type[ParameterGroup]) -> tuple[ParameterSpecification, ...]:
-    """List the parameters of a class without nested groups; fits construct many of each class."""
     return tuple(specification(field, field.name) for field in dataclasses.fields(cls)
                  if 'group' not in field.metadata)
 

@@ -1,128 +1,86 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The effects by name. To add one: a file here and a line in the dictionary."""
+"""The effects by name. To add one: a file of its name here, and its name in EFFECTS."""
 
 from __future__ import annotations
 
 from dataclasses import make_dataclass
+from importlib import import_module
 
-from .actuator_lag import ActuatorLag
-from .actuator_saturation import ActuatorSaturation
-from .adhesion import Adhesion
-from .asymmetric_damping import AsymmetricDamping
-from .backlash import Backlash
-from .beating_environment import BeatingEnvironment
-from .bilinear_stiffness import BilinearStiffness
-from .bouc_wen_hysteresis import BoucWenHysteresis
-from .command_delay import CommandDelay
-from .contact_offset import ContactOffset
-from .coulomb_friction import CoulombFriction
-from .cubic_stiffness import CubicStiffness
-from .dead_zone import DeadZone
-from .dmt_adhesion import DmtAdhesion
 from .effect import Effect
-from .environment_inertia import EnvironmentInertia
-from .environment_resonance import EnvironmentResonance
-from .exponential_stiffness import ExponentialStiffness
-from .force_bias import ForceBias
-from .force_creep import ForceCreep
-from .force_decay import ForceDecay
-from .force_delay import ForceDelay
-from .force_drift import ForceDrift
-from .force_gain import ForceGain
-from .force_lag import ForceLag
-from .force_nonlinearity import ForceNonlinearity
-from .force_saturation import ForceSaturation
-from .fractional_relaxation import FractionalRelaxation
-from .free_play import FreePlay
-from .gravity_error import GravityError
-from .hunt_crossley_damping import HuntCrossleyDamping
-from .impact_damping import ImpactDamping
-from .impedance_mismatch import ImpedanceMismatch
-from .joint_flexibility import JointFlexibility
-from .moving_environment import MovingEnvironment
 from .numeric import SIGN_VELOCITY
-from .plastic_set import PlasticSet
-from .polynomial_stiffness import PolynomialStiffness
-from .power_law_damping import PowerLawDamping
-from .power_law_stiffness import PowerLawStiffness
-from .presliding_friction import PreslidingFriction
-from .quadratic_damping import QuadraticDamping
-from .reflected_inertia import ReflectedInertia
-from .robot_drag import RobotDrag
-from .robot_friction import RobotFriction
-from .settling_bias import SettlingBias
-from .stiffness_drift import StiffnessDrift
-from .stribeck_friction import StribeckFriction
-from .tool_inertia import ToolInertia
-from .tool_weight import ToolWeight
-from .torque_saturation import TorqueSaturation
-from .unloading_hysteresis import UnloadingHysteresis
-from .viscoelastic_relaxation import ViscoelasticRelaxation
-from .viscous_flow import ViscousFlow
-from ..parameters.specification import group, ParameterGroup
+from ..parameters.specification import group, own_specifications, ParameterGroup
 
-EFFECTS: dict[str, type[Effect]] = {
-    'coulomb_friction': CoulombFriction,
-    'stribeck_friction': StribeckFriction,
-    'presliding_friction': PreslidingFriction,
-    'environment_inertia': EnvironmentInertia,
-    'environment_resonance': EnvironmentResonance,
-    'cubic_stiffness': CubicStiffness,
-    'power_law_stiffness': PowerLawStiffness,
-    'polynomial_stiffness': PolynomialStiffness,
-    'exponential_stiffness': ExponentialStiffness,
-    'hunt_crossley_damping': HuntCrossleyDamping,
-    'power_law_damping': PowerLawDamping,
-    'impact_damping': ImpactDamping,
-    'quadratic_damping': QuadraticDamping,
-    'asymmetric_damping': AsymmetricDamping,
-    'viscoelastic_relaxation': ViscoelasticRelaxation,
-    'fractional_relaxation': FractionalRelaxation,
-    'viscous_flow': ViscousFlow,
-    'bouc_wen_hysteresis': BoucWenHysteresis,
-    'unloading_hysteresis': UnloadingHysteresis,
-    'contact_offset': ContactOffset,
-    'moving_environment': MovingEnvironment,
-    'beating_environment': BeatingEnvironment,
-    'adhesion': Adhesion,
-    'dmt_adhesion': DmtAdhesion,
-    'dead_zone': DeadZone,
-    'free_play': FreePlay,
-    'backlash': Backlash,
-    'bilinear_stiffness': BilinearStiffness,
-    'stiffness_drift': StiffnessDrift,
-    'plastic_set': PlasticSet,
-    'tool_weight': ToolWeight,
-    'tool_inertia': ToolInertia,
-    'force_lag': ForceLag,
-    'force_delay': ForceDelay,
-    'force_creep': ForceCreep,
-    'force_decay': ForceDecay,
-    'force_gain': ForceGain,
-    'force_nonlinearity': ForceNonlinearity,
-    'force_bias': ForceBias,
-    'force_drift': ForceDrift,
-    'settling_bias': SettlingBias,
-    'force_saturation': ForceSaturation,
-    'robot_friction': RobotFriction,
-    'robot_drag': RobotDrag,
-    'gravity_error': GravityError,
-    'impedance_mismatch': ImpedanceMismatch,
-    'reflected_inertia': ReflectedInertia,
-    'joint_flexibility': JointFlexibility,
-    'command_delay': CommandDelay,
-    'actuator_lag': ActuatorLag,
-    'actuator_saturation': ActuatorSaturation,
-    'torque_saturation': TorqueSaturation,
-}
+
+def _class_of(name: str) -> type[Effect]:
+    """Import the class of an effect from the file of its name."""
+    found = vars(import_module(f'.{name}', __package__))[name.title().replace('_', '')]
+    if not own_specifications(found):
+        raise TypeError(f'{name} has no parameters; declare them by optional_parameter, and '
+                        'decorate the class with @dataclass(frozen=True)')
+    return found
+
+
+EFFECTS: dict[str, type[Effect]] = {name: _class_of(name) for name in (
+    'coulomb_friction',
+    'stribeck_friction',
+    'presliding_friction',
+    'environment_inertia',
+    'environment_resonance',
+    'cubic_stiffness',
+    'power_law_stiffness',
+    'polynomial_stiffness',
+    'exponential_stiffness',
+    'hunt_crossley_damping',
+    'power_law_damping',
+    'impact_damping',
+    'quadratic_damping',
+    'asymmetric_damping',
+    'viscoelastic_relaxation',
+    'fractional_relaxation',
+    'viscous_flow',
+    'bouc_wen_hysteresis',
+    'unloading_hysteresis',
+    'contact_offset',
+    'moving_environment',
+    'beating_environment',
+    'adhesion',
+    'dmt_adhesion',
+    'dead_zone',
+    'free_play',
+    'backlash',
+    'bilinear_stiffness',
+    'stiffness_drift',
+    'plastic_set',
+    'tool_weight',
+    'tool_inertia',
+    'force_lag',
+    'force_delay',
+    'force_creep',
+    'force_decay',
+    'force_gain',
+    'force_nonlinearity',
+    'force_bias',
+    'force_drift',
+    'settling_bias',
+    'force_saturation',
+    'robot_friction',
+    'robot_drag',
+    'gravity_error',
+    'impedance_mismatch',
+    'reflected_inertia',
+    'joint_flexibility',
+    'command_delay',
+    'actuator_lag',
+    'actuator_saturation',
+    'torque_saturation',
+)}
 """Contact, then force sensor in the order of its signal chain, then robot."""
 
 PhysicsParameters: type[ParameterGroup] = make_dataclass(
     'PhysicsParameters',
-    [(name, effect.Parameters, group(effect.Parameters, effect.description))
-     for name, effect in EFFECTS.items()],
+    [(name, effect, group(effect, effect.description)) for name, effect in EFFECTS.items()],
     bases=(ParameterGroup,),
     frozen=True,
 )
@@ -135,11 +93,8 @@ def effects_that_are_on(
     """
     Return the effects whose parameters are given.
 
-    physics: parameters of all effects; NaN means off
+    physics: all effects; NaN means off
     sign_velocity: width of the smooth sign of a velocity [m/s]
     """
-    made = (cls.when_on(getattr(physics, name)) for name, cls in EFFECTS.items())
-    effects = [effect for effect in made if effect is not None]
-    for effect in effects:
-        effect.sign_velocity = sign_velocity
-    return effects
+    effects: list[Effect] = [getattr(physics, name) for name in EFFECTS]
+    return [effect.with_sign(sign_velocity) for effect in effects if effect.is_on()]

@@ -1,20 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Backlash between tool and wall."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 import math
 from typing import Any
 
 import numpy as np
 
-from .contact_effect import ContactEffect
-from .drawn_effect import Scales
-from .numeric import Array, Flags, Number, positive
-from ..parameters.specification import optional_parameter, ParameterGroup
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
 
 POSITION_TOLERANCE = 2e-5
 """Tolerance of measured positions at the end of the play [m]."""
@@ -44,28 +38,23 @@ def played(steps: Array, half: float) -> Array:
 
 
 @dataclass(frozen=True)
-class BacklashParameters(ParameterGroup):
-    """Parameters of `Backlash`."""
+class Backlash(ContactEffect):
+    """
+    Play between the tool and the part that touches the wall.
+
+    The force is that of (y, y') where |x - y| = gap / 2, else 0.
+    """
 
     gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
 
-
-class Backlash(ContactEffect):
-    """y = play(x, gap); the force is that of (y, y') where |x - y| = gap / 2, else 0."""
-
-    name = 'backlash'
     equation = "F_e of (y, y'), y = play(x, gap)"
     family = 'clearance'
-    description = 'Play between the tool and the part that touches the wall.'
-    Parameters = BacklashParameters
+    needs = frozenset({Need.NO_DRIVE})
     lets_go = True
-    resolved_length = 'gap'
-
     states = 1  # position of the tool within the play, x - y
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
-        """Return the motion beyond the play; see `ContactEffect.transmit`."""
-        half, place = 0.5 * self.values.gap, state[0]
+        half, place = 0.5 * self.gap, state[0]
         # Within an integration step the state may leave the play; the tool then moves the wall.
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
@@ -73,29 +62,17 @@ class Backlash(ContactEffect):
         least = half * (1.0 - 1e-9) if m is math else half - POSITION_TOLERANCE
         return d - inside, v, abs(place) >= least
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return the velocity of the tool; `settle` stops at the ends of the play."""
-        return (v,)
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
+        return (v,)  # `settle` stops at the ends of the play
 
-    def settle(
-        self, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Stop at the ends of the play."""
-        half = 0.5 * self.values.gap
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
+        half = 0.5 * self.gap
         return (min(half, max(-half, state[0])),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Apply the play operator to the measured positions."""
-        return played(np.diff(d, prepend=d[0]), 0.5 * self.values.gap)[None, :]
+        return played(np.diff(d, prepend=d[0]), 0.5 * self.gap)[None, :]
 
     @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the play."""
-        return [(share * scales.depth,) for share in (0.0003, 0.003, 0.03, 0.15)]
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return half the largest depth."""
-        return 0.5 * scales.depth
+    def prior(cls, scales: Scales) -> Prior:
+        return Prior([(share * scales.depth,) for share in (0.0003, 0.003, 0.03, 0.15)],
+                     largest=0.5 * scales.depth)

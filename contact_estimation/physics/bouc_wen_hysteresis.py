@@ -1,10 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Bouc-Wen hysteresis of the wall (Bouc 1967, Wen 1976)."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from math import expm1, log1p
@@ -13,24 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .drawn_effect import log_uniform, Scales, Strength
-from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
-from ..parameters.specification import optional_parameter, ParameterGroup
+from .law import (
+    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
+    path_of, Prior, Scales, State, Strength, stretches)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear
 _STEEPEST = 0.95  # -gamma / beta: 39 times as fast back; at 1 it jumps, as friction does
 _NEARLY_ONE = 1.0 - 1e-12  # exceeded only by searches far from the truth
-
-
-@dataclass(frozen=True)
-class BoucWenHysteresisParameters(ParameterGroup):
-    """Parameters of `BoucWenHysteresis`."""
-
-    alpha: float = optional_parameter('Stiffness of the hysteretic branch', 'N/m', minimum=0.0)
-    beta: float = optional_parameter('Rate at which the branch yields', '1/m', minimum=0.0)
-    gamma: float = optional_parameter('Difference between loading and unloading', '1/m')
 
 
 @lru_cache(maxsize=8)
@@ -79,68 +65,63 @@ def _from_zero(c: float, gone: float) -> float:
     return gone if abs(c * gone) < _LITTLE else -expm1(min(-c * gone, _LARGEST)) / c
 
 
+@dataclass(frozen=True)
 class BoucWenHysteresis(ContactEffect):
-    """R = alpha z, z' = v - beta |v| z - gamma v |z|; z = 0 out of contact."""
+    """
+    Hysteresis: the force differs between loading and unloading at any speed.
 
-    name = 'bouc_wen_hysteresis'
+    z = 0 out of contact.
+    """
+
+    alpha: float = optional_parameter('Stiffness of the hysteretic branch', 'N/m', minimum=0.0)
+    beta: float = optional_parameter('Rate at which the branch yields', '1/m', minimum=0.0)
+    gamma: float = optional_parameter('Difference between loading and unloading', '1/m')
+
     equation = "F_e -= alpha z, z' = v - beta |v| z - gamma v |z|"
     family = 'hysteresis'
-    description = 'Hysteresis: the force differs between loading and unloading at any speed.'
-    Parameters = BoucWenHysteresisParameters
-    needs_return = True
-
+    # Without a spring it is friction: see `PreslidingFriction`.
+    needs = frozenset({Need.RETURN, Need.SPRING})
     states = 1
-    needs_spring = True  # without one it is friction: see `PreslidingFriction`
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return alpha z; see `ContactEffect.resistance`."""
-        return self.values.alpha * state[0]
+        return self.alpha * state[0]
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return z'; see `ContactEffect.state_rates`."""
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
         if not contact:
             return (0.0,)
-        z, p = state[0], self.values
-        return (v - p.beta * abs(v) * z - p.gamma * v * abs(z),)
+        z = state[0]
+        return (v - self.beta * abs(v) * z - self.gamma * v * abs(z),)
 
-    def settle(
-        self, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Reset the branch out of contact."""
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
         return state if contact else (0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve dz = (1 - c z) dd exactly, c = beta sgn(v) + gamma sgn(z), from turn to turn."""
-        beta, gamma = self.values.beta, self.values.gamma
         states, h = np.zeros(len(t)), float(t[1] - t[0])
         for first, stop in stretches(contact):
             if not contact[first]:
                 continue
             motion = motion_of(d[first:stop], v[first:stop], h, touches_down=first > 0)
-            states[first:stop] = _branch(beta, gamma, motion)
+            states[first:stop] = _branch(self.beta, self.gamma, motion)
         return states[None, :]
 
-    @classmethod
-    def plausible(cls, values: Any) -> bool:
+    def is_possible(self, stiffness: float, damping: float) -> bool:
         """Return whether the branch yields, and not many times as fast on the way back."""
-        return bool(values.beta > 0.0 and values.gamma > -_STEEPEST * values.beta)
+        return self.beta > 0.0 and self.gamma > -_STEEPEST * self.beta
 
-    @classmethod
-    def is_flexible(cls, values: Any, duration: float) -> bool:
+    def is_flexible(self, duration: float) -> bool:
         """Is one that gives energy: |gamma| > beta (Erlicher and Point 2004)."""
-        return abs(values.gamma) > values.beta
+        return abs(self.gamma) > self.beta
 
     @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread beta; alpha is large enough for beta and gamma to matter."""
-        yields = (0.7, 2.0, 6.0, 20.0)
-        return [(0.3 * scales.spring, share / scales.depth, 0.0) for share in yields]
+    def prior(cls, scales: Scales) -> Prior:
+        # With a small alpha beta and gamma would not matter.
+        return Prior([(0.3 * scales.spring, share / scales.depth, 0.0)
+                      for share in (0.7, 2.0, 6.0, 20.0)])
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw beta, and gamma of either sign; without gamma it is presliding friction."""
+        """Draw gamma of either sign; without it this is presliding friction."""
         beta = log_uniform(rng, 0.8, 8.0) / scales.depth
         gamma = float(rng.choice((-1.0, 1.0)) * rng.uniform(0.15, 0.4)) * beta
         return lambda s: {'alpha': 1.5 * s * scales.stiffness, 'beta': beta, 'gamma': gamma}

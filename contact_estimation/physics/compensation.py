@@ -53,13 +53,13 @@ class Compensation:
         sample_rate: float,
     ) -> None:
         self._sensor = _sensors(effects)
-        lagging = [effect for effect in self._sensor if effect.memory]
+        lagging = [effect for effect in self._sensor if 'reader' in effect.changes]
         self._wall = KnownWall(
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
         self._tool = sum(effect.added_mass for effect in self._sensor)
         self._late, self.lags = _memory(lagging), bool(lagging)
         self._moves = self._wall.inertia > 0.0 or self._tool > 0.0
-        self._range = min((e.limit for e in self._sensor), default=math.inf)
+        self._range = min((e.largest_reading for e in self._sensor), default=math.inf)
         self._range -= _CLIPPED * force_noise
         self._first_ns = 0
         self._last: Motion | None = None
@@ -180,11 +180,11 @@ def _sensors(effects: Sequence[Effect]) -> list[Any]:
 
 def _memory(effects: Sequence[Any]) -> Memory:
     """Return the dynamic part of a sensor as a filter for one signal."""
-    own = [type(effect)(effect.values) for effect in effects]
+    readers = [effect.reader() for effect in effects]
 
     def sense(t: float, dt: float, value: float) -> float:
-        for effect in own:
-            value = effect.sense(t, dt, value, 0.0)
+        for read in readers:
+            value = read(t, dt, value, 0.0)
         return value
 
     return sense

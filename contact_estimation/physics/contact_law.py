@@ -12,13 +12,13 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_effect import ContactEffect, HOOKS, overridden
+from .contact_effect import ContactEffect, State
 from .effect import Effect
 from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
-State = tuple[float, ...]
 _KEPT = KeptMotion()
+_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 
 
 class Touch(NamedTuple):
@@ -50,9 +50,7 @@ class ContactLaw:
         self.inertia = inertia + sum(effect.inertia for effect in wall)
         self.pull = sum(effect.pull for effect in wall)
         self.states = sum(effect.states for effect in wall)
-        self._exponent = 1.0
-        for effect in wall:
-            self._exponent *= effect.exponent
+        self._exponent = math.prod(effect.exponent for effect in wall)
         placed, first = [], 0
         for effect in wall:
             placed.append((effect, slice(first, first + effect.states)))
@@ -65,17 +63,17 @@ class ContactLaw:
         self._stateful = [place for place in placed if place[0].states]
 
     @property
+    def replaces_stiffness(self) -> bool:
+        """Whether an effect is in the place of K_e."""
+        return bool(self._springs)
+
+    @property
     def bends_stiffness(self) -> bool:
         """Whether K_e multiplies something other than the penetration."""
         return bool(self._transmissions or self._deflections or self._springs)
 
     def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
-        """
-        Return the penetration at the wall.
-
-        t, x, v (N,): time [s], position [m] and velocity [m/s] of the end-effector
-        Returns d, v (N,): penetration [m] and its rate [m/s]
-        """
+        """Return d [m], its rate [m/s] and engagement at the wall for a tip at x, v (N,)."""
         d, engaged = x - self._x_e, True
         for effect, place in self._surfaces:
             shift, rate = effect.surface(t, states[place], m)
@@ -114,12 +112,12 @@ class ContactLaw:
     def _resistance(self, t: Any, d: Any, v: Any, states: Any, m: Any) -> Any:
         deflection = d
         for effect, _ in self._deflections:
-            deflection = effect.deflection(deflection, m)
+            deflection = effect.deflection(t, deflection, m)
         spring, damper = self.stiffness * deflection, self.damping * v
         for effect, _ in self._springs:
-            spring = effect.spring(t, d, spring, m)
+            spring = effect.spring(d, m)
         for effect, _ in self._dampers:
-            damper = effect.damper(d, v, damper, self._exponent, m)
+            damper = effect.damper(d, v, self._exponent, m)
         resistance = spring + damper
         for effect, _ in self._carriers:
             resistance = effect.carried(d, spring, damper, m)
@@ -164,11 +162,7 @@ class ContactLaw:
         return [(effect, place, *own.get(id(effect), here)) for effect, place in self._stateful]
 
     def motion_along(self, t: Array, x: Array, v: Array) -> WallMotion:
-        """
-        Integrate all internal states along a recorded motion.
-
-        t, x, v (N,): time [s], evenly spaced, position [m] and velocity [m/s]
-        """
+        """Integrate all internal states along a recorded motion, evenly spaced (N,)."""
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
         if not moving:
             return WallMotion(StatesAlong(), x - self._x_e, v, True)
@@ -200,13 +194,7 @@ class ContactLaw:
         return d > 0.0 if self.unilateral else np.ones(len(d), bool)
 
     def force_and_depth(self, t: Array, x: Array, v: Array, a: Array) -> tuple[Array, Array]:
-        """
-        Predict F_e from a recorded motion.
-
-        t, x, v, a (N,): time [s], evenly spaced, position [m] and its derivatives [m/s], [m/s^2]
-        Returns F_e (N,): force on the end-effector [N]
-        Returns d (N,): penetration [m]
-        """
+        """Predict F_e [N] and d [m] from a recorded motion, evenly spaced (N,)."""
         states, d, rate, engaged = self.motion_along(t, x, v)
         touch = self._touch(t, d, rate, engaged, states, np)
         pressing = -(touch.resistance + self.inertia * a if self.inertia else touch.resistance)
@@ -220,11 +208,7 @@ class ContactLaw:
         return self.force_and_depth(t, x, v, a)[0]
 
     def contact(self, t: Array, x: Array, v: Array) -> NDArray[np.bool_]:
-        """
-        Return where the surface is reached; parameters as `force_and_depth`.
-
-        Returns contact (N,): d > 0
-        """
+        """Return where d > 0, (N,); parameters as `force_and_depth`."""
         return np.asarray(self.motion_along(t, x, v).d > 0.0)
 
 
@@ -233,12 +217,12 @@ def _users_of_hooks(
     kinds: tuple[type[ContactEffect], ...],
 ) -> tuple[tuple[tuple[int, ...], ...], bool]:
     """Return for each hook which effects override it, and whether none does but for a tail."""
-    changed = [overridden(kind) for kind in kinds]
-    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in HOOKS)
+    changed = [kind.changes.intersection(_HOOKS) for kind in kinds]
+    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in _HOOKS)
     return users, not any(hooks - {'tail'} for hooks in changed)
 
 
 def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
     """Return an effect's type and the values on which its states and motion depend."""
     return type(effect), tuple(
-        value for name, value in vars(effect.values).items() if name not in effect.weights)
+        value for name, value in effect.values().items() if name not in effect.weights)

@@ -5,24 +5,62 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from copy import copy
+from dataclasses import dataclass
+from enum import Enum
 from math import isnan
-from typing import Any, ClassVar
+import re
+from typing import ClassVar, Protocol, TypeVar
 
-from .drawn_effect import DrawnEffect
+from numpy.random import Generator
+
 from .numeric import SIGN_VELOCITY
+from .prior import between, Prior, random_sign, Scales, Strength
 from ..exceptions import ParameterRangeError
-from ..parameters.specification import ParameterGroup
+from ..parameters.specification import own_specifications, ParameterGroup
+
+Own = TypeVar('Own', bound='Effect')
+
+_OVER_START = 30.0  # times as large as at a start, where no largest is known
 
 
-class Effect(DrawnEffect):
+class Need(Enum):
+    """What a rig, or its motion, needs for an effect to be identifiable."""
+
+    ROBOT = 'the reference trajectory of a robot'
+    TOUCH = 'a contact that begins and ends'
+    ATTACHMENT = 'an attached specimen'
+    PRESSING = 'a specimen that is pressed only'
+    SPRING = 'a spring'
+    NO_DRIVE = 'a wall that no force drives'
+    NO_MASS = 'a nominal model without it'
+    RETURN = 'a motion that returns'
+
+
+class Seen(Protocol):
+    """A recording, as a model with the effect describes it."""
+
+    force: float  # largest measured [N]
+    duration: float  # [s]
+    sample_period: float  # [s]
+
+    def clips(self, limit: float) -> bool:
+        """Return whether the measured force is level where a sensor would clip it [N]."""
+
+
+@dataclass(frozen=True)
+class Effect(ParameterGroup):
     """
-    Base class of all effects.
+    Base class of all effects; an effect is the dataclass of its parameters.
+
+    A parameter is declared by `optional_parameter`; the law is linear in the first. NaN in all of
+    them, the default, switches the effect off. A class declares family, equation and, where they
+    are not the usual ones, needs and resonates; the other attributes follow.
 
     Attributes
     ----------
     name : str
-        Key in EFFECTS and in `physics` of a model file.
+        Key in EFFECTS and in `physics` of a model file: that of the class in small letters.
     port : str
         Where the effect acts: 'contact', 'force_sensor' or 'robot'.
     family : str
@@ -30,59 +68,16 @@ class Effect(DrawnEffect):
     equation : str
         The law, as reports print it.
     description : str
-        One sentence that explains the effect to a reader of a report.
-    linear_in : tuple of str
-        Parameters in which the law is linear; the first alone where empty.
-    in_logarithm : tuple of str
-        Parameters searched on a logarithmic scale, because their unit depends on another one.
-    needs_touch : bool
-        Whether the effect cannot be identified in a permanently attached environment.
-    needs_attachment : bool
-        Whether the effect is another one on a wall that only pushes.
-    rescales_wall : bool
-        Whether the measured force tells K_e and B_e times a value of the effect alone, see
-        `wall_scale`.
-    needs_penetration : bool
-        Whether the law holds for x beyond x_e only, in a permanently attached environment too.
-    needs_return : bool
-        Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
-        elastic law.
-    needs_spring : bool
-        Whether the effect is without one a constant force, another effect, or nothing at all.
-    needs_robot : bool
-        Whether the motion of a robot tells the effect: without one, the parameters of the wall
-        make up for it.
-    base_parameter : str
-        Name of the parameter of the wall that describes the same physics; '' if there is none.
+        First sentence of the docstring, which explains the effect to a reader of a report.
+    needs : frozenset of Need
+        Without any of which the effect is another one, or nothing at all.
     resonates : bool
-        Whether it is a mass on a spring of its own: of its frequency one step tells little.
-    clips_force : bool
-        Whether the measured force is level where the effect acts, by which it is told.
-    lets_go : bool
-        Whether the force may vanish during contact.
-    reached_force : str
-        Parameter that is a force which the measured one has to reach; '' if there is none.
-    reached_length : str
-        Parameter that is a length a fair part of which the motion has to cover; '' if there is
-        none.
-    covered_depth : str
-        The same, of the motion in contact.
-    resolved_length : str
-        Parameter that is a length well above the noise of the positions; '' if there is none.
-    resolved_speed : str
-        Parameter that is a speed beyond that at which dry friction fades; '' if there is none.
-    sampled_frequency : str
-        Parameter that is a frequency which the samples have to resolve; '' if there is none.
-    sampled_delay : str
-        Parameter that is a delay or a lag, to be a fair share of a sample period; '' if there is
-        none.
+        Whether it is a mass on a spring of its own: one step of a search tells little of its
+        frequency.
+    changes : frozenset of str
+        Hooks of the port that the class overrides: the others are not called.
     sign_velocity : float
         Width of the smooth sign of a velocity [m/s], sgn(v) = tanh(v / sign_velocity).
-
-    Parameters
-    ----------
-    values : ParameterGroup
-        An instance of `Parameters` without NaN.
 
     """
 
@@ -91,131 +86,93 @@ class Effect(DrawnEffect):
     family: ClassVar[str]
     equation: ClassVar[str]
     description: ClassVar[str]
-    linear_in: ClassVar[tuple[str, ...]] = ()
-    in_logarithm: ClassVar[tuple[str, ...]] = ()
-    needs_touch: ClassVar[bool] = False
-    needs_attachment: ClassVar[bool] = False
-    rescales_wall: ClassVar[bool] = False
-    needs_penetration: ClassVar[bool] = False
-    needs_return: ClassVar[bool] = False
-    needs_spring: ClassVar[bool] = False
-    needs_robot: ClassVar[bool] = False
-    base_parameter: ClassVar[str] = ''
+    needs: ClassVar[frozenset[Need]] = frozenset()
     resonates: ClassVar[bool] = False
-    clips_force: ClassVar[bool] = False
-    lets_go: ClassVar[bool] = False
-    reached_force: ClassVar[str] = ''
-    reached_length: ClassVar[str] = ''
-    covered_depth: ClassVar[str] = ''
-    resolved_length: ClassVar[str] = ''
-    resolved_speed: ClassVar[str] = ''
-    sampled_frequency: ClassVar[str] = ''
-    sampled_delay: ClassVar[str] = ''
-    sign_velocity: float = SIGN_VELOCITY
+    changes: ClassVar[frozenset[str]]
+    sign_velocity: ClassVar[float] = SIGN_VELOCITY
 
-    def __init__(self, values: ParameterGroup) -> None:
-        self.values: Any = values
+    def __init_subclass__(cls) -> None:
+        """Name the effect after its class, and look which hooks of its port it changes."""
+        cls.name = re.sub(r'(?<!^)(?=[A-Z])', '_', cls.__name__).lower()
+        cls.description = (cls.__doc__ or '').strip().partition('\n')[0]
+        port = next((base for base in cls.__mro__[1:] if Effect in base.__bases__), cls)
+        cls.changes = frozenset(
+            hook for hook in vars(port) if getattr(cls, hook) is not getattr(port, hook))
 
     @classmethod
-    def when_on(cls, values: ParameterGroup) -> 'Effect | None':
-        """
-        Make the effect if its parameters are given.
-
-        Returns effect: None where all parameters are NaN
-        """
-        names = [field.name for field in fields(values)]
-        missing = [name for name in names if isnan(getattr(values, name))]
-        if len(missing) == len(names):
-            return None
-        if missing:
-            raise ParameterRangeError(
-                f'physics.{cls.name} needs all of {", ".join(names)}; missing: '
-                f'{", ".join(missing)}; set them too, or all to NaN to switch the effect off'
-            )
-        return cls(values)
+    def prior(cls, scales: Scales) -> Prior:
+        """Return which parameters are plausible, from the orders of magnitude of a world."""
+        raise NotImplementedError
 
     @classmethod
-    def plausible(cls, values: Any) -> bool:
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
         """
-        Return whether values, each within its range, are physically possible together.
+        Draw everything but the magnitude at random.
 
-        Returns plausible: for example False for a Stribeck friction that rises with speed
-        """
-        return True
+        By default what shapes the law lies between two neighbouring starts of the prior, and what
+        it is linear in grows from its neutral value until the first parameter is the largest.
 
-    @classmethod
-    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
+        Returns strength: from a magnitude, 0 (absent) to 1 (largest plausible), to parameters by
+        name
         """
-        Return whether the effect drives the motion beside a spring and a damper.
+        starts, largest, either_sign = cls.prior(scales)
+        neutral, linear = cls.neutral(), cls.linear()
+        place = rng.uniform(0.25, 0.75) * (len(starts) - 1)
+        low, high = starts[int(place)], starts[min(int(place) + 1, len(starts) - 1)]
+        values = dict(zip(neutral, (between(*ends, place % 1.0) for ends in zip(low, high))))
+        first = next(iter(values))
+        most = _OVER_START if isnan(largest) else (largest - neutral[first]) / (
+            values[first] - neutral[first])
+        most *= random_sign(rng) if either_sign else 1.0
+        return lambda s: {name: neutral[name] + s * most * (value - neutral[name])
+                          if name in linear else value for name, value in values.items()}
+
+    def is_possible(self, stiffness: float, damping: float) -> bool:
+        """
+        Return whether parameters, each within its range, are physically possible together.
 
         stiffness, damping: K_e [N/m] and B_e [N s/m] of the wall
-        Returns drives: if so, the values are not plausible together
-        """
-        return False
-
-    @classmethod
-    def vanishes(cls, values: Any) -> bool:
-        """
-        Return whether the effect changes nothing.
-
-        Returns vanishes: all parameters in which the law is linear have their neutral value
-        """
-        return all(getattr(values, name) == cls.neutral.get(name, 0.0) for name in cls.linear())
-
-    @classmethod
-    def linear(cls) -> tuple[str, ...]:
-        """Return the parameters in which the law is linear, by default the first."""
-        return cls.linear_in or (fields(cls.Parameters)[0].name,)
-
-    @classmethod
-    def wall_scale(cls, values: Any) -> float:
-        """
-        Return what the wall's values must be multiplied by for the measured force to stay.
-
-        Returns scale: 1 unless `rescales_wall`
-        """
-        return 1.0
-
-    @classmethod
-    def is_flexible(cls, values: Any, duration: float) -> bool:
-        """
-        Return whether the effect is a curve that fits almost any misfit of its kind.
-
-        duration: of the recording [s]
-        Returns flexible: if so, more is asked of it than of a law
-        """
-        return False
-
-    @classmethod
-    def bends(cls, values: Any) -> tuple[float, ...]:
-        """
-        Return where the law bends sharply.
-
-        Returns bends: penetrations that the motion has to pass for the effect to show [m]
-        """
-        return ()
-
-    @classmethod
-    def exceeds_calibration(cls, values: Any, force: float) -> bool:
-        """
-        Return whether the effect is more than a calibration usually leaves.
-
-        force: largest measured [N]
-        Returns exceeds: if not, the effect is not named with these values
         """
         return True
 
-    @classmethod
-    def tones(cls, values: Any) -> tuple[float, ...]:
-        """Return the frequencies of a motion of its own [Hz]; parameters as `plausible`."""
-        return ()
-
-    @classmethod
-    def is_resolved(cls, values: Any, duration: float) -> bool:
-        """
-        Return whether a recording is long enough to tell the parameters apart.
-
-        duration: of the recording [s]
-        Returns resolved: if not, the effect is not named with these values
-        """
+    def may_show(self, seen: Seen) -> bool:
+        """Return whether a recording may show the effect, or only something that looks like it."""
         return True
+
+    def is_flexible(self, duration: float) -> bool:
+        """Return whether it fits almost any misfit of its kind in a recording [s], as no law."""
+        return False
+
+    def vanishes(self) -> bool:
+        """Return whether all parameters in which the law is linear have their neutral value."""
+        neutral = self.neutral()
+        return all(getattr(self, name) == neutral[name] for name in self.linear())
+
+    @classmethod
+    def linear(cls) -> list[str]:
+        """Return the parameters in which the law is linear."""
+        return [own.name for k, own in enumerate(own_specifications(cls)) if own.linear or not k]
+
+    @classmethod
+    def neutral(cls) -> dict[str, float]:
+        """Return the values of parameters at which the effect vanishes."""
+        return {own.name: own.neutral for own in own_specifications(cls)}
+
+    def values(self) -> dict[str, float]:
+        """Return the parameters by name."""
+        return {own.name: getattr(self, own.name) for own in own_specifications(type(self))}
+
+    def is_on(self) -> bool:
+        """Return whether the parameters are given: all or none."""
+        missing = [name for name, value in self.values().items() if isnan(value)]
+        if missing and len(missing) < len(self.values()):
+            raise ParameterRangeError(
+                f'physics.{self.name} needs all of {", ".join(self.values())}; missing: '
+                f'{", ".join(missing)}; set them too, or all to NaN to switch the effect off')
+        return not missing
+
+    def with_sign(self: Own, sign_velocity: float) -> Own:
+        """Return the effect with another width of sgn(v)."""
+        other = copy(self)
+        other.__dict__['sign_velocity'] = sign_velocity
+        return other

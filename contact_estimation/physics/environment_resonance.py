@@ -1,10 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Mass behind the surface on a spring and a damper of its own."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -12,19 +8,26 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .drawn_effect import log_uniform, Scales, Strength
+from .law import (
+    Array, ContactEffect, discretise, Flags, log_uniform, Number, optional_parameter, Prior,
+    Scales, Seen, State, Strength)
 from .moving_environment import MANY_PERIODS
-from .numeric import Array, discretise, Flags, Number
-from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
+_RESOLVED = 0.125  # periods a sample
 _LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion
 
 
 @dataclass(frozen=True)
-class EnvironmentResonanceParameters(ParameterGroup):
-    """Parameters of `EnvironmentResonance`."""
+class EnvironmentResonance(ContactEffect):
+    """
+    A mass behind the surface resonates on a spring and a damper of its own.
+
+    d = v = 0 out of contact.
+
+    Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
+    so that a wall at rest has none at any depth.
+    """
 
     mass: float = optional_parameter('Mass that resonates', 'kg', minimum=0.0)
     frequency: float = optional_parameter(
@@ -32,51 +35,32 @@ class EnvironmentResonanceParameters(ParameterGroup):
     damping_ratio: float = optional_parameter(
         'Its damping over the critical one', '1', minimum=0.001, maximum=0.99)
 
-
-class EnvironmentResonance(ContactEffect):
-    """
-    R = mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'); d = v = 0 out of contact.
-
-    Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
-    so that a wall at rest has none at any depth.
-    """
-
-    name = 'environment_resonance'
     equation = ("F_e -= mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'), "
                 'omega = 2 pi frequency')
     family = 'inertia'
-    description = 'A mass behind the surface resonates on a spring and a damper of its own.'
-    Parameters = EnvironmentResonanceParameters
     resonates = True
-    sampled_frequency = 'frequency'
-
     states = 2
     weights = ('mass',)
 
     @property
     def _omega(self) -> float:
-        return float(2.0 * pi * self.values.frequency)
+        return float(2.0 * pi * self.frequency)
 
     def _acceleration(self, v: Any, state: Any) -> Any:
         z, w = state
-        return -self._omega * (self._omega * z + 2.0 * self.values.damping_ratio * (w - v))
+        return -self._omega * (self._omega * z + 2.0 * self.damping_ratio * (w - v))
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return the inertial force of the mass; see `ContactEffect.resistance`."""
-        return self.values.mass * self._acceleration(v, state)
+        return self.mass * self._acceleration(v, state)
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return the rates of z and w; see `ContactEffect.state_rates`."""
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
         rate = v if contact else 0.0
         return state[1] - rate, self._acceleration(rate, state)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Filter d, straight between samples; see `ContactEffect.states_along`."""
         from scipy.signal import lfilter  # slow to import
 
-        spring, damping = self._omega**2, 2.0 * self.values.damping_ratio * self._omega
+        spring, damping = self._omega**2, 2.0 * self.damping_ratio * self._omega
         system = discretise(1.0, damping, spring, float(t[1] - t[0]))
         # In y and p = y' - damping d no rate of d appears, which jumps at a touch-down.
         rows = (spring * system.position + damping * system.velocity,
@@ -86,32 +70,23 @@ class EnvironmentResonance(ContactEffect):
         y, p = (lfilter(row, system.denominator, moved) for row in rows)
         return np.array([y - moved, p + damping * moved])
 
-    @classmethod
-    def is_flexible(cls, values: Any, duration: float) -> bool:
-        """Is one with few periods in the recording: that follows any slow misfit."""
-        return bool(values.frequency * duration < MANY_PERIODS)
+    def is_flexible(self, duration: float) -> bool:
+        return self.frequency * duration < MANY_PERIODS
+
+    def may_show(self, seen: Seen) -> bool:
+        """Need a period, and samples in it: else it is the course of the force alone."""
+        fastest = _RESOLVED / seen.sample_period
+        return 1.0 / seen.duration <= self.frequency <= fastest
 
     @classmethod
-    def is_resolved(cls, values: Any, duration: float) -> bool:
-        """Need a period: what is slower only bends the course of the force."""
-        return bool(values.frequency * duration >= 1.0)
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the frequency about the pace of the motion, and the mass, which moves a wall."""
+    def prior(cls, scales: Scales) -> Prior:
         frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
         shares = (0.01, 0.5) if scales.driven else (0.01,)  # the force is linear in the mass
-        return [(share * scales.moved_mass, float(f), _DAMPED)
-                for share in shares for f in frequencies]
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return the mass of the robot, or that which the force of a specimen accelerates."""
-        return scales.mass
+        return Prior([(share * scales.moved_mass, float(f), _DAMPED)
+                      for share in shares for f in frequencies])
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw frequency and damping."""
         frequency, ratio = log_uniform(rng, 5.0, 25.0), log_uniform(rng, 0.03, 0.2)
         return lambda s: {'mass': 0.5 * s * scales.mass, 'frequency': frequency,
                           'damping_ratio': ratio}

@@ -5,102 +5,58 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import math
-from typing import ClassVar
+from typing import Any, Callable
 
 import numpy as np
 
 from .effect import Effect
 from .numeric import Array, Number
 
+Reader = Callable[[float, float, float, float], float]
+"""From time, time since the last call [s], force [N] and acceleration [m/s^2] to a force."""
 
+
+@dataclass(frozen=True)
 class ForceSensorEffect(Effect):
-    """Physics of the force sensor: how the measured force differs from the true one."""
+    """
+    Physics of the force sensor: how the measured force differs from the true one.
+
+    A subclass overrides `sense`, and `undo` where it has an inverse; one whose reading depends on
+    earlier forces overrides `reader`, `sense_along` and `undo_along` instead. t, force,
+    acceleration and measured are numbers or ndarrays, shape (N,), in SI units; m is the module
+    `math` or `numpy`.
+    """
 
     port = 'force_sensor'
-    memory: ClassVar[bool] = False
-    """Whether the measured force depends on earlier forces."""
 
-    limit: float = math.inf
-    """End of the measuring range [N]."""
+    @property
+    def largest_reading(self) -> float:
+        """End of the measuring range [N]."""
+        return math.inf
 
-    added_mass: float = 0.0
-    """Mass between sensor and contact [kg], whose inertia the sensor measures."""
+    @property
+    def added_mass(self) -> float:
+        """Mass between sensor and contact [kg], whose inertia the sensor measures."""
+        return 0.0
 
-    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """
-        Return the measured force at one instant.
-
-        Parameters
-        ----------
-        t, dt : float
-            Time and time since the last call [s].
-        force : float
-            F_e as measured by the preceding effects of the chain [N].
-        acceleration : float
-            Acceleration of the end-effector [m/s^2].
-
-        Returns
-        -------
-        force : float
-            Measured force [N].
-
-        """
+    def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
+        """Return the measured force [N]; force as measured by the preceding effects."""
         return force
 
-    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """
-        Return the measured force of a whole recording with evenly spaced samples.
-
-        Parameters
-        ----------
-        t, force, acceleration : ndarray, shape (N,)
-            Time [s], F_e [N] and acceleration [m/s^2].
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Measured force [N].
-
-        """
-        measured, last = [], float(t[0])
-        for now, f, a in zip(t.tolist(), force.tolist(), acceleration.tolist()):
-            measured.append(self.sense(now, now - last, f, a))
-            last = now
-        return np.array(measured)
-
     def undo(self, t: Number, measured: Number) -> Number:
-        """
-        Remove from one measured force what depends on neither acceleration nor earlier forces.
-
-        Parameters
-        ----------
-        t : float or ndarray, shape (N,)
-            Time [s].
-        measured : float or ndarray, shape (N,)
-            Measured force [N].
-
-        Returns
-        -------
-        force : float or ndarray, shape (N,)
-            Force before this effect, as far as it can be recovered [N].
-
-        """
+        """Return the force before this effect [N], without what depends on acceleration."""
         return measured
 
+    def reader(self) -> Reader:
+        """Return a function that reads sample by sample, and keeps what it must of the past."""
+        return lambda t, dt, force, acceleration: self.sense(t, force, acceleration, math)
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Return the measured force of a recording with evenly spaced samples [N]."""
+        return np.asarray(self.sense(t, force, acceleration, np))
+
     def undo_along(self, t: Array, measured: Array) -> Array:
-        """
-        Remove from a recording what does not depend on acceleration.
-
-        Parameters
-        ----------
-        t, measured : ndarray, shape (N,)
-            Time [s] and measured force [N].
-
-        Returns
-        -------
-        force : ndarray, shape (N,)
-            Force before this effect, as far as it can be recovered [N].
-
-        """
+        """Return `undo` of a recording, as far as the force can be recovered [N]."""
         return np.asarray(self.undo(t, measured))

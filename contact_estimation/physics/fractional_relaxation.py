@@ -1,12 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Fractional relaxation of the wall: a memory without a time constant of its own."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import exp, expm1, inf, log, pi, sin
 from operator import mul
 from typing import Any, NamedTuple
@@ -14,11 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .drawn_effect import Scales, Strength
-from .numeric import Array, Flags, Number
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, Strength)
 from .viscoelastic_relaxation import REPELS
-from ..parameters.specification import optional_parameter, ParameterGroup
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
 _SPACING = log(10.0) / _PER_DECADE
@@ -107,43 +101,37 @@ def _force_of_history(h: float, alpha: float) -> Array:
 
 
 @dataclass(frozen=True)
-class FractionalRelaxationParameters(ParameterGroup):
-    """Parameters of `FractionalRelaxation`."""
+class FractionalRelaxation(ContactEffect):
+    """
+    The force relaxes over all time scales, by a power of time (springpot).
+
+    D^alpha of Caputo; d = 0 out of contact, constant before the first sample. It is a sum of
+    Maxwell branches of fixed time constants, in which alpha is in the weights alone. Each is in
+    equilibrium long before the step of an integration ends, or long after it: the integrated
+    states are time and displacement since the last step, with which `settle` advances all branches
+    exactly along a straight line.
+    """
 
     C: float = optional_parameter(
         'Force at a unit rate of order alpha', 'N s^alpha/m', minimum=0.0)
     alpha: float = optional_parameter(
         'Order of the derivative: 0 is a spring, 1 a damper', '1', minimum=0.01, maximum=0.99)
 
-
-class FractionalRelaxation(ContactEffect):
-    """
-    R = C D^alpha d (Caputo); d = 0 out of contact, constant before the first sample.
-
-    A sum of Maxwell branches of fixed time constants, in which alpha is in the weights alone. A
-    branch is in equilibrium long before the step of an integration ends, or long after it: the
-    integrated states are time and displacement since the last step, with which `settle` advances
-    all branches exactly along a straight line.
-    """
-
-    name = 'fractional_relaxation'
     equation = 'F_e -= C D^alpha d'
     family = 'relaxation'
-    description = 'The force relaxes over all time scales, by a power of time (springpot).'
-    Parameters = FractionalRelaxationParameters
-    needs_spring = True  # what moves freely hangs on nothing that relaxes
-
+    needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = _BRANCHES + 3
     weights = ('C', 'alpha')
 
-    def __init__(self, values: FractionalRelaxationParameters) -> None:
-        super().__init__(values)
-        damper, springs = _weights(values.alpha)
-        self._damper = values.C * damper
-        self._springs = tuple(values.C * spring for spring in springs)
+    @cached_property
+    def _damper(self) -> float:
+        return self.C * _weights(self.alpha).damper
+
+    @cached_property
+    def _springs(self) -> tuple[float, ...]:
+        return tuple(self.C * spring for spring in _weights(self.alpha).springs)
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return the sum of the branches; see `ContactEffect.resistance`."""
         if m is np:
             return self._along(t, v, state)
         elapsed, moved, *deflections = state
@@ -153,19 +141,13 @@ class FractionalRelaxation(ContactEffect):
 
     def _along(self, t: Any, v: Any, history: Array) -> Any:
         """Return the resistance along a recording of the history of `states_along`."""
-        C, alpha = self.values.C, self.values.alpha
-        force = history @ (C * _force_of_history(float(t[1] - t[0]), alpha))
+        force = history @ (self.C * _force_of_history(float(t[1] - t[0]), self.alpha))
         return force.ravel()[:len(t)] + self._damper * v
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return the rates of time and displacement; see `ContactEffect.state_rates`."""
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
         return (1.0, v if contact else 0.0) + (0.0,) * (_BRANCHES + 1)
 
-    def settle(
-        self, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
         """Advance the branches by the time and displacement since the last step."""
         elapsed, moved, *deflections = state
         kept, entered = _shares(elapsed)
@@ -179,28 +161,18 @@ class FractionalRelaxation(ContactEffect):
         bends[1:] = np.where(contact[1:] & contact[:-1], np.diff(v), 0.0)
         return _Blocks.of(float(t[1] - t[0])).history(moves, bends)
 
-    @classmethod
-    def plausible(cls, values: Any) -> bool:
-        """Return whether there is a force, of neither a spring nor a damper."""
-        return bool(values.C > 0.0 and _LEAST < values.alpha < _MOST)
+    def is_possible(self, stiffness: float, damping: float) -> bool:
+        """Return whether it is neither spring nor damper, nor the spring beside it repels."""
+        return (self.C > 0.0 and _LEAST < self.alpha < _MOST
+                and stiffness >= -REPELS * self.C)  # the force at 1 s
 
     @classmethod
-    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
-        """Return whether the spring beside the force at 1 s repels."""
-        return bool(stiffness < -REPELS * values.C)
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread alpha; the law is linear in C, which is large enough for alpha to matter."""
-        return [(cls._strength(0.3, alpha, scales), alpha) for alpha in (0.1, 0.25, 0.4, 0.6, 0.8)]
-
-    @classmethod
-    def _strength(cls, share: float, alpha: float, scales: Scales) -> float:
-        """Return C that adds a share of the stiffness at the pace of the motion."""
-        return share * scales.spring * scales.pace**alpha
+    def prior(cls, scales: Scales) -> Prior:
+        # A share of the stiffness at the pace of the motion, with which alpha matters.
+        return Prior([(0.3 * scales.spring * scales.pace**alpha, alpha)
+                      for alpha in (0.1, 0.25, 0.4, 0.6, 0.8)])
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw alpha."""
         alpha = float(rng.uniform(0.2, 0.6))
-        return lambda s: {'C': cls._strength(s, alpha, scales), 'alpha': alpha}
+        return lambda s: {'C': s * scales.spring * scales.pace**alpha, 'alpha': alpha}

@@ -1,32 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Free play of the spring of an attached environment."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
-from .contact_effect import ContactEffect
-from .drawn_effect import Scales
-from .numeric import Number, positive
-from ..parameters.specification import optional_parameter, ParameterGroup
+from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales
 
 
 @dataclass(frozen=True)
-class FreePlayParameters(ParameterGroup):
-    """Parameters of `FreePlay`."""
-
-    gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
-    centre: float = optional_parameter('Middle of the play, from x_e', 'm')
-    beside: float = optional_parameter(
-        'Part of the damper that acts within the gap too', '1', minimum=0.0, maximum=1.0)
-
-
 class FreePlay(ContactEffect):
     """
-    R = beside B_e v + K_e s + (1 - beside) B_e v, the latter two only from an end of the play on.
+    The spring acts only beyond a gap that is free on both sides.
 
     s = u - min(max(u, -gap / 2), gap / 2), u = d - centre. The two push away from the gap. A
     damper beside the play acts at all times; one behind it is met at either end, and holds back
@@ -34,38 +18,27 @@ class FreePlay(ContactEffect):
     mechanical systems with backlash: a survey, Automatica 2002, section 3.1.
     """
 
-    name = 'free_play'
+    gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
+    centre: float = optional_parameter('Middle of the play, from x_e', 'm')
+    beside: float = optional_parameter(
+        'Part of the damper that acts within the gap too', '1', minimum=0.0, maximum=1.0)
+
     equation = ('F_e = -(beside B_e v + K_e s + (1 - beside) B_e v), s = u - sat(u, gap / 2), '
                 'u = d - centre; the latter two not within the gap')
     family = 'clearance'
-    description = 'The spring acts only beyond a gap that is free on both sides.'
-    Parameters = FreePlayParameters
-    needs_attachment = True
-    needs_spring = True
+    needs = frozenset({Need.ATTACHMENT, Need.SPRING})
 
-    def deflection(self, d: Number, m: Any) -> Number:
-        """Leave out the gap on both sides; see `ContactEffect.deflection`."""
-        u, half = d - self.values.centre, 0.5 * self.values.gap
+    def deflection(self, t: Number, d: Number, m: Any) -> Number:
+        u, half = d - self.centre, 0.5 * self.gap
         return positive(u - half, m) - positive(-u - half, m)
 
     def carried(self, d: Number, spring: Number, damper: Number, m: Any) -> Number:
-        """Leave out what is behind the play within the gap; see `ContactEffect.carried`."""
-        u, half, beside = d - self.values.centre, 0.5 * self.values.gap, self.values.beside
-        behind = spring + (1.0 - beside) * damper
+        u, half = d - self.centre, 0.5 * self.gap
+        behind = spring + (1.0 - self.beside) * damper
         pushed: Any = positive(behind, m) * (u > half) - positive(-behind, m) * (u < -half)
-        return beside * damper + pushed
+        return self.beside * damper + pushed
 
     @classmethod
-    def bends(cls, values: Any) -> tuple[float, ...]:
-        """Bend at both ends of the play."""
-        return values.centre - 0.5 * values.gap, values.centre + 0.5 * values.gap
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the gap."""
-        return [(share * scales.depth, 0.0, 1.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)]
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return the largest depth, half of the motion to both sides."""
-        return scales.depth
+    def prior(cls, scales: Scales) -> Prior:
+        return Prior([(share * scales.depth, 0.0, 1.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)],
+                     largest=scales.depth)

@@ -61,12 +61,7 @@ class KeptMotion:
     def along(
         self, law: Hashable, x: Array, v: Array, compute: Callable[[], WallMotion]
     ) -> WallMotion:
-        """
-        Return the wall's motion, computed only if it is not known.
-
-        law: all on which it depends beside the recorded motion
-        x, v (N,): position [m] and velocity [m/s]
-        """
+        """Return the wall's motion; law is all it depends on beside x and v."""
         if x.flags.writeable or v.flags.writeable:
             return compute()
         key = (id(x), id(v), law)

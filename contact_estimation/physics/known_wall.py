@@ -16,6 +16,7 @@ import math
 from math import nan
 from typing import Callable, NamedTuple, Sequence
 
+from .contact_effect import State
 from .contact_law import ContactLaw
 from .effect import Effect
 
@@ -25,7 +26,6 @@ _NEAR = 1e-7  # step of the difference quotient of phi_K [m]
 _FAR = 1.0  # out of reach of any wall [m]
 _APPROACH = 50  # samples outside the wall, in which a play is taken up
 _KEPT = 1000  # samples of motion while the surface is not known
-State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
 
 WAITING = 'waiting for consecutive samples'
@@ -87,8 +87,7 @@ class KnownWall:
         )
         self.acts, self.inertia = bool(self._law.effects), self._law.inertia
         self.free_force = float(self._law.tail(-_FAR, 0.0, (0.0,) * self._law.states, math))
-        replaced = any(effect.replaces_stiffness for effect in self._law.effects)
-        self._placeholder = initial_stiffness if replaced else 0.0
+        self._placeholder = initial_stiffness if self._law.replaces_stiffness else 0.0
         self._memory = memory
         self._kept: deque[Motion] = deque(maxlen=_KEPT if self.acts or memory else 3)
         self._rest()
@@ -102,11 +101,7 @@ class KnownWall:
         self._terms: deque[WallTerms] = deque(maxlen=3)
 
     def take(self, now: Motion, location: float) -> Sequence[WallTerms]:
-        """
-        Process one sample.
-
-        location: x_e nominal [m]; NaN: not known
-        """
+        """Process one sample; location is x_e nominal [m], NaN if unknown."""
         if location != location:
             if self._last is not None:
                 self._rest()

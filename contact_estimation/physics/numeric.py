@@ -27,11 +27,7 @@ def positive(x: Number, m: Any) -> Number:
 
 
 def stretches(flag: Flags) -> Iterator[tuple[int, int]]:
-    """
-    Split a flag into runs of equal values.
-
-    flag (N,): for example whether there is contact
-    """
+    """Split a flag, (N,), into runs of equal values."""
     edges = [0, *(np.flatnonzero(np.diff(flag)) + 1).tolist(), len(flag)]
     yield from zip(edges[:-1], edges[1:])
 
@@ -48,12 +44,7 @@ class SecondOrder(NamedTuple):
 
 @lru_cache(maxsize=64)
 def discretise(mass: float, damping: float, stiffness: float, h: float) -> SecondOrder:
-    """
-    Discretise with a first-order hold.
-
-    mass, damping, stiffness: m [kg], B [N s/m], K [N/m]
-    h: sample period [s]
-    """
+    """Discretise m [kg], B [N s/m], K [N/m] by a first-order hold of h [s]."""
     from scipy.linalg import expm  # slow to import, and no node needs it
 
     # States x, v, f, f': the exponential of the block matrix integrates a straight f exactly.

@@ -1,35 +1,17 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Friction of the wall that sticks elastically before it slides (Dahl 1968)."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
-from functools import lru_cache
-from math import copysign, exp, inf, log
+from functools import cached_property, lru_cache
+from math import copysign, exp
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .drawn_effect import log_uniform, Scales, Strength
-from .numeric import Array, Flags, Motion, motion_of, Number, path_of, stretches
-from ..parameters.specification import optional_parameter, ParameterGroup
-
-
-@dataclass(frozen=True)
-class PreslidingFrictionParameters(ParameterGroup):
-    """Parameters of `PreslidingFriction`."""
-
-    F_c: float = optional_parameter('Friction force after a long slide', 'N', minimum=0.0)
-    sigma: float = optional_parameter('Stiffness at a reversal', 'N/m', minimum=0.0)
-
-    @property
-    def travel(self) -> float:
-        """Over which the friction rises to four fifths of its end [m]."""
-        return log(5.0) * self.F_c / self.sigma if self.sigma > 0.0 else inf
+from .law import (
+    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
+    path_of, Prior, Scales, State, Strength, stretches)
 
 
 @lru_cache(maxsize=8)
@@ -45,49 +27,43 @@ def _friction(F_c: float, rate: float, motion: Motion) -> Array:
     return np.asarray(end_of + (begin_of - end_of) * np.exp(-rate * np.abs(path.gone)))
 
 
+@dataclass(frozen=True)
 class PreslidingFriction(ContactEffect):
     """
-    R = z, z' = sigma v (1 - z / F_c sgn v); z = 0 out of contact.
+    Dry friction that rises over a short travel after each reversal (Dahl model).
+
+    z = 0 out of contact.
 
     The sign is sharp, because z does not jump. Over a stretch u of one direction s
     z = F_c s + (z_0 - F_c s) exp(-sigma u / F_c), however fast: the integrated state is the
     displacement since the last step, with which `settle` advances z exactly.
     """
 
-    name = 'presliding_friction'
+    F_c: float = optional_parameter('Friction force after a long slide', 'N', minimum=0.0)
+    sigma: float = optional_parameter('Stiffness at a reversal', 'N/m', minimum=0.0)
+
     equation = "F_e -= z, z' = sigma v (1 - z / F_c sgn v)"
     family = 'friction'
-    description = 'Dry friction that rises over a short travel after each reversal (Dahl model).'
-    Parameters = PreslidingFrictionParameters
-    needs_return = True
-    reached_force = 'F_c'
-    covered_depth = 'travel'
-
+    needs = frozenset({Need.RETURN})
     states = 2
 
-    def __init__(self, values: PreslidingFrictionParameters) -> None:
-        super().__init__(values)
-        self._rate = values.sigma / values.F_c if values.F_c > 0.0 else 0.0
+    @cached_property
+    def _rate(self) -> float:
+        return self.sigma / self.F_c if self.F_c > 0.0 else 0.0
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return z; see `ContactEffect.resistance`."""
         # `states_along` gives a z that is up to date.
         return state[1] if m is np else self._after(state[0], state[1])
 
     def _after(self, moved: float, z: float) -> float:
         """Return z after a stretch of one direction."""
-        end = copysign(self.values.F_c, moved)
+        end = copysign(self.F_c, moved)
         return end + (z - end) * exp(-self._rate * abs(moved))
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return the rate of the displacement; see `ContactEffect.state_rates`."""
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
         return (v if contact else 0.0, 0.0)
 
-    def settle(
-        self, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
         """Advance z by the displacement since the last step; reset it out of contact."""
         return (0.0, self._after(*state) if contact else 0.0)
 
@@ -97,22 +73,19 @@ class PreslidingFriction(ContactEffect):
         for first, stop in stretches(contact):
             if contact[first]:
                 motion = motion_of(d[first:stop], v[first:stop], h, touches_down=first > 0)
-                states[1, first:stop] = _friction(self.values.F_c, self._rate, motion)
+                states[1, first:stop] = _friction(self.F_c, self._rate, motion)
         return states
 
-    @classmethod
-    def plausible(cls, values: Any) -> bool:
-        """Return whether there is a force, and a travel over which it rises."""
-        return bool(values.F_c > 0.0 and values.sigma > 0.0)
+    def is_possible(self, stiffness: float, damping: float) -> bool:
+        return self.F_c > 0.0 and self.sigma > 0.0
 
     @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the travel over which friction rises; z grows in proportion to both values."""
-        F_c = 0.1 * scales.force
-        return [(F_c, F_c / (share * scales.depth)) for share in (0.001, 0.004, 0.015, 0.06, 0.25)]
+    def prior(cls, scales: Scales) -> Prior:
+        F_c = 0.1 * scales.force  # over a travel that is a share of the depth
+        return Prior([(F_c, F_c / (share * scales.depth))
+                      for share in (0.001, 0.004, 0.015, 0.06, 0.25)])
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw the travel over which friction rises."""
         most, travel = 0.4 * scales.force, log_uniform(rng, 0.003, 0.03) * scales.depth
         return lambda s: {'F_c': s * most, 'sigma': s * most / travel}

@@ -5,10 +5,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
 from typing import Any, NamedTuple
 
-from .effect import Effect
+from .effect import Effect, Need
 from .numeric import Number
 
 
@@ -39,74 +40,47 @@ class Joint(NamedTuple):
         return self.stiffness * bent + self.damping * rate
 
 
+@dataclass(frozen=True)
 class RobotEffect(Effect):
-    """Physics of the robot: how its motion departs from the target impedance of eq. (1)."""
+    """
+    Physics of the robot: how its motion departs from the target impedance of eq. (1).
+
+    A subclass overrides the hooks that its law changes. u and velocity are numbers or ndarrays,
+    shape (N,); m is the module `math` or `numpy`.
+    """
 
     port = 'robot'
-    needs_robot = True
-    mass_scale: float = 1.0
-    damping_scale: float = 1.0
-    stiffness_scale: float = 1.0
-    reflected_inertia: float = 0.0
-    """Mass that the feed-forward does not compensate [kg]."""
+    needs = frozenset({Need.ROBOT})
 
-    reference_delay: float = 0.0
-    """Delay of the reference [s]."""
+    def impedance(
+        self, mass: float, damping: float, stiffness: float
+    ) -> tuple[float, float, float]:
+        """Return M_t [kg], B_t [N s/m] and K_t [N/m] that the robot has in place of these."""
+        return mass, damping, stiffness
 
-    actuator_lag: float = 0.0
-    """Time constant with which the drives follow the control force [s]."""
+    @property
+    def reflected_inertia(self) -> float:
+        """Mass that the feed-forward does not compensate [kg]."""
+        return 0.0
+
+    @property
+    def reference_delay(self) -> float:
+        """Delay of the reference [s]."""
+        return 0.0
+
+    @property
+    def lag(self) -> float:
+        """Time constant with which the drives follow the control force [s]."""
+        return 0.0
 
     def control(self, u: Number, m: Any) -> Number:
-        """
-        Return the control force that the drives deliver.
-
-        Parameters
-        ----------
-        u : float or ndarray, shape (N,)
-            Force commanded by the impedance law [N].
-        m : module
-            `math` or `numpy`.
-
-        Returns
-        -------
-        u : float or ndarray, shape (N,)
-            Delivered force [N].
-
-        """
+        """Return the control force that the drives deliver of the commanded one [N]."""
         return u
 
     def drag(self, velocity: Number, m: Any) -> Number:
-        """
-        Return the force that resists the motion of the robot.
-
-        Parameters
-        ----------
-        velocity : float or ndarray, shape (N,)
-            Velocity of the end-effector [m/s].
-        m : module
-            `math` or `numpy`.
-
-        Returns
-        -------
-        force : float or ndarray, shape (N,)
-            Drag [N], positive where it resists positive velocity.
-
-        """
+        """Return the force that resists the motion of the robot [N]."""
         return 0.0 * velocity
 
     def joint(self, mass: float) -> Joint | None:
-        """
-        Return the spring between the motor, whose position is measured, and the link.
-
-        Parameters
-        ----------
-        mass : float
-            Of both [kg].
-
-        Returns
-        -------
-        joint : Joint or None
-            None for a rigid robot.
-
-        """
+        """Return the spring between motor, whose position is measured, and link, both of mass."""
         return None

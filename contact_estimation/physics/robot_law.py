@@ -10,8 +10,9 @@ from typing import Any, Sequence
 
 import numpy as np
 
+from .contact_effect import State
 from .effect import Effect
-from .force_lag import ForceLag, ForceLagParameters
+from .force_lag import ForceLag
 from .numeric import Array
 from .robot_effect import RobotEffect
 
@@ -36,17 +37,17 @@ class RobotLaw:
         self, mass: float, damping: float, stiffness: float, effects: Sequence[Effect]
     ) -> None:
         arm = [effect for effect in effects if isinstance(effect, RobotEffect)]
-        self._feed_forward = mass * math.prod(effect.mass_scale for effect in arm)
-        self.damping = damping * math.prod(effect.damping_scale for effect in arm)
-        self.stiffness = stiffness * math.prod(effect.stiffness_scale for effect in arm)
+        for effect in arm:
+            mass, damping, stiffness = effect.impedance(mass, damping, stiffness)
+        self._feed_forward, self.damping, self.stiffness = mass, damping, stiffness
         self.mass = self._feed_forward + sum(effect.reflected_inertia for effect in arm)
         self.reference_delay = sum(effect.reference_delay for effect in arm)
-        self._lag = sum(effect.actuator_lag for effect in arm)
+        self._lag = sum(effect.lag for effect in arm)
         joints = [effect.joint(self._feed_forward) for effect in arm]
         self.joint = next((joint for joint in joints if joint is not None), None)
         self.states = 2 * (self.joint is not None) + (self._lag > 0.0)
-        self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
-        self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
+        self._controls = [effect for effect in arm if 'control' in effect.changes]
+        self._drags = [effect for effect in arm if 'drag' in effect.changes]
 
     def impedance_force(self, x: Any, v: Any, reference: Any) -> Any:
         """
@@ -61,13 +62,7 @@ class RobotLaw:
                 - self.stiffness * (x - x_r) + F_r)
 
     def force(self, x: Any, v: Any, reference: Any, m: Any) -> Any:
-        """
-        Return the force that drives the mass, without a lag; parameters as `impedance_force`.
-
-        m is `math` or `numpy`.
-
-        Returns force (N,): without F_e [N]
-        """
+        """Return the force that drives the mass [N], without F_e and lag."""
         return self.less_drag(self.control(x, v, reference, m), v, m)
 
     def control(self, x: Any, v: Any, reference: Any, m: Any) -> Any:
@@ -88,37 +83,28 @@ class RobotLaw:
         """Mass that touches the wall [kg]."""
         return self.mass if self.joint is None else self.joint.mass
 
-    def at_rest(self, x: float, v: float) -> tuple[float, ...]:
+    def at_rest(self, x: float, v: float) -> State:
         """Return the states of a link that moves with its motor; a lag's is not yet known."""
         moving = () if self.joint is None else (x, v)
         return (*moving, *(math.nan,) * (self._lag > 0.0))
 
-    def started(
-        self, x: float, v: float, states: tuple[float, ...], reference: Any
-    ) -> tuple[float, ...]:
+    def started(self, x: float, v: float, states: State, reference: Any) -> State:
         """Return the states once the reference is known; parameters as `drive` and `rates`."""
         if not self._lag or states[-1] == states[-1]:
             return states
         return (*states[:-1], self.control(*self.motor(x, v, states), reference, math))
 
-    def motor(self, x: float, v: float, states: tuple[float, ...]) -> tuple[float, float]:
+    def motor(self, x: float, v: float, states: State) -> tuple[float, float]:
         """Return position [m] and velocity [m/s] as measured; parameters as `drive`."""
         return (x, v) if self.joint is None else (states[0], states[1])
 
-    def drive(self, x: float, v: float, states: tuple[float, ...]) -> float:
-        """
-        Return the force that drives the link of a law with states.
-
-        x, v: position [m] and velocity [m/s] of the link
-        Returns force: without F_e [N]
-        """
+    def drive(self, x: float, v: float, states: State) -> float:
+        """Return the force that drives the link at x, v [N], without F_e."""
         if self.joint is None:
             return float(self.less_drag(states[-1], v, math))
         return float(self.joint.force(states[0] - x, states[1] - v))
 
-    def rates(
-        self, x: float, v: float, states: tuple[float, ...], reference: Any
-    ) -> tuple[float, ...]:
+    def rates(self, x: float, v: float, states: State, reference: Any) -> State:
         """Return the rates of the internal states."""
         x_m, v_m = self.motor(x, v, states)
         u = self.control(x_m, v_m, reference, math)
@@ -129,16 +115,10 @@ class RobotLaw:
         return (v_m, push / (self.mass - self.joint.mass), *lag)
 
     def force_along(self, t: Array, x: Array, v: Array, reference: Array) -> Array:
-        """
-        Evaluate the driving force along a recorded motion.
-
-        t, x, v (N,): time [s], evenly spaced, position [m] and velocity [m/s]
-        reference (4, N): as of `impedance_force`
-        Returns force (N,): without F_e [N]
-        """
+        """Return the driving force along a motion, evenly spaced (N,) [N]."""
         u = self.control(x, v, reference, np)
         if self._lag:
-            u = ForceLag(ForceLagParameters(tau=self._lag)).sense_along(t, u, u)
+            u = ForceLag(self._lag).sense_along(t, u, u)
         return np.asarray(self.less_drag(u, v, np))
 
     @property

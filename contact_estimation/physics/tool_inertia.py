@@ -1,55 +1,33 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Inertia of the tool beyond the force sensor."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from .drawn_effect import Scales
-from .force_sensor_effect import ForceSensorEffect
-from .numeric import Array
-from ..parameters.specification import optional_parameter, ParameterGroup
+from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)
-class ToolInertiaParameters(ParameterGroup):
-    """Parameters of `ToolInertia`."""
+class ToolInertia(ForceSensorEffect):
+    """
+    The force sensor also measures the inertia of the tool mounted on it.
+
+    It acts in free flight, too.
+    """
 
     mass: float = optional_parameter('Mass between sensor and contact', 'kg', minimum=0.0)
 
-
-class ToolInertia(ForceSensorEffect):
-    """F - mass a, also in free flight."""
-
-    name = 'tool_inertia'
     equation = 'F_measured = F_e - mass a'
     family = 'inertia'
-    description = 'The force sensor also measures the inertia of the tool mounted on it.'
-    Parameters = ToolInertiaParameters
-    needs_touch = True  # in an attached environment it is indistinguishable from M_e
+    needs = frozenset({Need.TOUCH})  # in an attached environment it is indistinguishable from M_e
 
-    def __init__(self, values: ToolInertiaParameters) -> None:
-        super().__init__(values)
-        self.added_mass = values.mass
+    @property
+    def added_mass(self) -> float:
+        return self.mass
 
-    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Subtract mass a; see `ForceSensorEffect.sense`."""
-        return force - float(self.values.mass) * acceleration
-
-    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """Subtract mass a; see `ForceSensorEffect.sense_along`."""
-        return np.asarray(force - self.values.mass * acceleration)
+    def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
+        return force - self.mass * acceleration
 
     @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """One start: the law is linear in mass."""
-        return [(0.001 * scales.moved_mass,)]
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return the target mass of the robot."""
-        return scales.mass
+    def prior(cls, scales: Scales) -> Prior:
+        return Prior([(0.001 * scales.moved_mass,)], largest=scales.mass)

@@ -1,70 +1,51 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Viscoelastic relaxation of the wall: a Maxwell branch beside spring and damper."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
-from .contact_effect import ContactEffect
-from .drawn_effect import log_uniform, Scales, Strength
-from .numeric import Array, Flags, Number, stretches
-from ..parameters.specification import optional_parameter, ParameterGroup
-
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, stretches)
 
 REPELS = 0.1
 """Share of a branch by which the spring beside it may repel, by the error of a fit."""
 
 
 @dataclass(frozen=True)
-class ViscoelasticRelaxationParameters(ParameterGroup):
-    """Parameters of `ViscoelasticRelaxation`."""
+class ViscoelasticRelaxation(ContactEffect):
+    """
+    The force relaxes while the depth is held (Maxwell branch).
+
+    Out of contact s' = -s / tau and s >= 0.
+    """
 
     K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
     tau: float = optional_parameter('Relaxation time constant', 's', minimum=0.0001)
 
-
-class ViscoelasticRelaxation(ContactEffect):
-    """R = s, s' = K_1 v - s / tau; out of contact s' = -s / tau and s >= 0."""
-
-    name = 'viscoelastic_relaxation'
     equation = "F_e -= s, s' = K_1 v - s / tau"
     family = 'relaxation'
-    description = 'The force relaxes while the depth is held (Maxwell branch).'
-    Parameters = ViscoelasticRelaxationParameters
-    needs_spring = True  # what moves freely hangs on nothing that relaxes
-
+    needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = 1
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return s; see `ContactEffect.resistance`."""
         return state[0]
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return s'; see `ContactEffect.state_rates`."""
-        driven = self.values.K_1 * v if contact else 0.0
-        return (driven - state[0] / self.values.tau,)
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
+        driven = self.K_1 * v if contact else 0.0
+        return (driven - state[0] / self.tau,)
 
-    def settle(
-        self, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Keep s >= 0 out of contact: the branch cannot pull the surface."""
-        return state if contact else (max(state[0], 0.0),)
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
+        return state if contact else (max(state[0], 0.0),)  # it cannot pull the surface
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation stretch by stretch, v straight between samples."""
         from scipy.signal import lfilter  # slow to import, and no node needs it
 
         h = float(t[1] - t[0])
-        tau, K_1 = self.values.tau, self.values.K_1
+        tau, K_1 = self.tau, self.K_1
         decay = exp(-h / tau)
         begin, end = tau / h * (1.0 - decay) - decay, 1.0 - tau / h * (1.0 - decay)
         push = K_1 * tau * end * v
@@ -81,23 +62,14 @@ class ViscoelasticRelaxation(ContactEffect):
             last = float(s[stop - 1])
         return s[None, :]
 
-    @classmethod
-    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
-        """Return whether the spring beside the branch repels."""
-        return bool(stiffness < -REPELS * values.K_1)
+    def is_possible(self, stiffness: float, damping: float) -> bool:
+        return stiffness >= -REPELS * self.K_1
+
+    def is_flexible(self, duration: float) -> bool:
+        return self.tau > duration
 
     @classmethod
-    def is_flexible(cls, values: Any, duration: float) -> bool:
-        """Is one with a time constant beyond the recording."""
-        return bool(values.tau > duration)
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread tau; the law is linear in K_1, which is large enough for tau to matter."""
-        return [(0.3 * scales.spring, tau) for tau in scales.time_constants()]
-
-    @classmethod
-    def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw tau."""
-        tau = log_uniform(rng, 0.03, 0.6)
-        return lambda s: {'K_1': 2.0 * s * scales.stiffness, 'tau': tau}
+    def prior(cls, scales: Scales) -> Prior:
+        # With a small K_1 tau would not matter.
+        return Prior([(0.3 * scales.spring, tau) for tau in scales.time_constants()],
+                     largest=2.0 * scales.stiffness)

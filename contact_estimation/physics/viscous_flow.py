@@ -1,64 +1,47 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Viscous flow of the wall."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp
 from typing import Any
 
 import numpy as np
 
-from .contact_effect import ContactEffect
-from .drawn_effect import Scales
-from .numeric import Array, Flags, Number, positive, stretches
-from ..parameters.specification import optional_parameter, ParameterGroup
+from .law import (
+    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
+    stretches)
 
 
 @dataclass(frozen=True)
-class ViscousFlowParameters(ParameterGroup):
-    """Parameters of `ViscousFlow`."""
-
-    rate: float = optional_parameter(
-        'Share of the deflection that becomes permanent per second', '1/s',
-        minimum=0.0, maximum=1000.0)
-
-
 class ViscousFlow(ContactEffect):
     """
-    x_e = nominal + u, u' = rate max(d - u, 0): a dashpot in series with the wall.
+    The wall flows while it is pressed, and does not recover (dashpot in series).
 
     It is the steady creep of a Maxwell or Burgers body (W. N. Findley et al., Creep and Relaxation
     of Nonlinear Viscoelastic Materials, 1976, ch. 5); the viscosity of the dashpot is K_e / rate.
     """
 
-    name = 'viscous_flow'
+    rate: float = optional_parameter(
+        'Share of the deflection that becomes permanent per second', '1/s',
+        minimum=0.0, maximum=1000.0)
+
     equation = "x_e = nominal + u, u' = rate max(d - u, 0)"
     family = 'relaxation'
-    description = 'The wall flows while it is pressed, and does not recover (dashpot in series).'
-    Parameters = ViscousFlowParameters
-    needs_touch = True
-
+    needs = frozenset({Need.TOUCH})
     states = 1  # u: how far the surface has receded
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
-        """Return the depth beneath the receded surface; see `ContactEffect.transmit`."""
         depth = d - state[0]
-        return depth, v - self.values.rate * positive(depth, m), True
+        return depth, v - self.rate * positive(depth, m), True
 
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return u'; see `ContactEffect.state_rates`."""
-        return (self.values.rate * max(d - state[0], 0.0),)
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
+        return (self.rate * max(d - state[0], 0.0),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation touch by touch, d straight between samples."""
         from scipy.signal import lfilter  # slow to import, and no node needs it
 
-        step = self.values.rate * float(t[1] - t[0])
+        step = self.rate * float(t[1] - t[0])
         decay = exp(-step)
         mean = (1.0 - decay) / step if step > 1e-9 else 1.0 - 0.5 * step
         push = (1.0 - mean) * d
@@ -75,20 +58,14 @@ class ViscousFlow(ContactEffect):
                 receded = float(u[first - 1])
         return u[None, :]
 
-    @classmethod
-    def is_flexible(cls, values: Any, duration: float) -> bool:
+    def is_flexible(self, duration: float) -> bool:
         """Is one: whatever makes later contacts weaker fits."""
         return True
 
     @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Start with a flow that takes a hundredth or all of the deflection away."""
-        return [(0.01 / scales.duration,), (1.0 / scales.duration,)]
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return the rate at which a touch of a second is half permanent."""
-        return 0.5
+    def prior(cls, scales: Scales) -> Prior:
+        # A hundredth, or all, of the deflection goes; at most half of it within a second.
+        return Prior([(0.01 / scales.duration,), (1.0 / scales.duration,)], largest=0.5)
 
 
 def _first(flag: Flags) -> int:

@@ -113,7 +113,8 @@ class World:
             self._physics = parameters.physics
             self._effects = [*effects_that_are_on(
                 parameters.physics, parameters.sign_velocity), *self._further]
-            self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
+            self._chain = [
+                e.reader() for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()
         self._law = ContactLaw(
@@ -165,8 +166,8 @@ class World:
         if last == self.t:  # a lag must not be advanced twice to the same time
             return reading
         dt = self.t - last if last >= 0.0 else 0.0
-        for effect in self._chain:
-            force = effect.sense(self.t, dt, force, acceleration)
+        for read in self._chain:
+            force = read(self.t, dt, force, acceleration)
         self._last_sensed = (self.t, force)
         return force
 

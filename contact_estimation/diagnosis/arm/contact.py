@@ -11,8 +11,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 from ..conclude.diagnose import diagnose
 from ..conclude.result import Diagnosis
-from ..observe.read_recording import read_recording
-from ..observe.signals import without_reference
+from ..observe.signals import read_recording, without_reference
 from ...plant.plant_parameters import PlantParameters
 
 COMPLIANCE = 'a compliance of joints, tool or mount in series with the wall'

@@ -11,9 +11,8 @@ from typing import Sequence
 
 import numpy as np
 
-from .check import Check, Finding
+from .check import bend_of, Check, Finding, FOLLOWS, line_through, LISTED, LITTLE, MUCH, STRAIGHT
 from .evidence import Evidence
-from .measures import bend_of, FOLLOWS, line_through, LISTED, LITTLE, MUCH, STRAIGHT
 from ..observe.signals import lacks_rates
 from ...signals.stream_faults import CLEAR
 

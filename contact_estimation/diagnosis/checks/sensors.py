@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import medfilt
 
-from .check import Finding
+from .check import Finding, LISTED, LITTLE, MOST, MUCH, SLIGHT, WORTH_A_NAME
 from .evidence import Evidence
-from .measures import LISTED, LITTLE, MOST, MUCH, SLIGHT, WORTH_A_NAME
-from ..observe.motion_error import quantisation_step
 from ..observe.signals import Signals
+from ..observe.smoothing import quantisation_step
 from ...physics.numeric import stretches
 from ...signals.stream_faults import courses_of, TARE_DUE, zero_steps as steps_of
 

@@ -10,9 +10,8 @@ from typing import Mapping
 
 import numpy as np
 
-from .check import Finding
+from .check import Finding, FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
 from .evidence import Evidence
-from .measures import FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
 from ..observe.signals import Signals
 from ...signals.stream_faults import CLEAR
 

@@ -10,9 +10,8 @@ from typing import Sequence
 
 import numpy as np
 
-from .check import Check, Finding
+from .check import Check, Finding, FOLLOWS, LITTLE, MOST, MUCH, SLIGHT
 from .evidence import Evidence
-from .measures import FOLLOWS, LITTLE, MOST, MUCH, SLIGHT
 from ..observe.parts import spans_of
 from ..observe.signals import LEAST_SAMPLES
 from ...physics import EFFECTS

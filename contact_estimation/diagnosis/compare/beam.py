@@ -40,20 +40,10 @@ class Space(Protocol):
 
 
 class Compared(NamedTuple):
-    """
-    The models of a search.
+    """The models of a search."""
 
-    Attributes
-    ----------
-    evidence : Evidence
-        What they are compared against.
-    models : list of Scored
-        The best first.
-
-    """
-
-    evidence: Evidence
-    models: list[Scored]
+    evidence: Evidence  # what they are compared against
+    models: list[Scored]  # the best first
 
     @property
     def score(self) -> float:

@@ -11,53 +11,32 @@ from typing import NamedTuple
 
 
 class Constants(NamedTuple):
-    """
-    Prior and error model of a comparison.
+    """Prior and error model of a comparison."""
 
-    Attributes
-    ----------
-    parameter, law, curve : float
-        Log prior odds against a parameter, a law, and a law that is a curve through any slow
-        misfit [nat].
-    independent : float
-        Degrees of freedom of a discrepancy in a part, at most.
-    ideal : float
-        Part of the squared misfit that no law explains, since every law idealises.
-    instrument : float
-        Discrepancy that every instrument and rig has, as a share of the range of the force.
-    exact : float
-        Share of the squared misfit that an exact law leaves: integration, the course of a signal
-        between samples.
-    left_out : float
-        Weight of the errors on parts left out; that on the parts as fitted has the rest
-        (.632 bootstrap: B. Efron, JASA 78, 1983).
-    temperature : float
-        Divisor of log posteriors that makes probabilities as large as names are often right.
-    named : float
-        Probability of a family from which on it is named.
-    worth, worth_exact : float
-        Least share of what zeros leave that is worth a name, of a law that is inexact or exact.
-    confirmed : float
-        Least share that names explain of what held-out data show.
-    listed : float
-        Weight of a law that is listed beside another, in that of the other.
-
-    """
-
+    # parameter, law, curve: log prior odds against a parameter, a law, and a law that is a curve
+    # through any slow misfit [nat]
     parameter: float
     law: float
     curve: float
-    independent: float
-    ideal: float
+    independent: float  # degrees of freedom of a discrepancy in a part, at most
+    ideal: float  # part of the squared misfit that no law explains, since every law idealises
+    # discrepancy that every instrument and rig has, as a share of the range of the force
     instrument: float
+    # share of the squared misfit that an exact law leaves: integration, the course of a signal
+    # between samples
     exact: float
+    # weight of the errors on parts left out; that on the parts as fitted has the rest (.632
+    # bootstrap: B. Efron, JASA 78, 1983)
     left_out: float
+    # divisor of log posteriors that makes probabilities as large as names are often right
     temperature: float
-    named: float
+    named: float  # probability of a family from which on it is named
+    # worth, worth_exact: least share of what zeros leave that is worth a name, of a law that is
+    # inexact or exact
     worth: float
     worth_exact: float
-    confirmed: float
-    listed: float
+    confirmed: float  # least share that names explain of what held-out data show
+    listed: float  # weight of a law that is listed beside another, in that of the other
 
 
 CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))

@@ -14,25 +14,90 @@ square m, in that of noise, have the marginal likelihood
 
 where no discrepancy is believed to be smaller than d_0. Laws that are exact leave noise alone,
 of which the likelihood is exp(-n (m - 1) / 2). That of a model is the sum of both.
+
+On some motions two laws are the same force, as a bias and an offset of an attached spring are.
+Rounding alone, which differs between processors, would then decide which of them is named: where
+scores are equal, a prior order of the effects decides.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Iterable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Protocol, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .constants import CONSTANTS, Constants
-from .order import ranked_by
-
+from ..observe.model import names_of
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
+ZEROS = ('force_bias', 'contact_offset')
+"""Constants of sensor and surface that every rig has to some extent."""
+
+DRAWS = 400
+"""Of bootstraps and permutations: probabilities to two and a half per cent at worst."""
+
+TIE = 1e-6
+"""
+Relative difference up to which scores are equal, and absolute one of scores below 1.
+
+A search ends at this relative gain, and sums of squares in variances of the noise that differ by
+less than 1 are equally likely for any data.
+"""
+
+_BY_PRIOR = (*ZEROS, *(name for name in EFFECTS if name not in ZEROS))
+
+
+class Named(Protocol):
+    """What adds one effect to a model."""
+
+    @property
+    def name(self) -> str:
+        """Return the name of that effect."""
+
+
+Item = TypeVar('Item')
+Law = TypeVar('Law', bound=Named)
+
+
+def prior(name: str) -> tuple[int, int]:
+    """Return the rank of an effect where the data cannot tell it from another."""
+    return (len(names_of(name)), _BY_PRIOR.index(name)) if name else (0, 0)
+
+
+def ranked(laws: Iterable[Law], score: Callable[[Law], float]) -> list[Law]:
+    """Sort candidates by score, those with equal scores by their prior order."""
+    return ranked_by(laws, score, lambda law: prior(law.name))
+
+
+def ranked_by(
+    items: Iterable[Item], score: Callable[[Item], float],
+    first: Callable[[Item], Any] = lambda item: 0,
+) -> list[Item]:
+    """Sort by score, equal scores by what goes first, else in the order given."""
+    given = list(items)
+    scores = [score(item) for item in given]
+    groups = list[list[int]]()
+    for k in sorted(range(len(given)), key=lambda k: scores[k]):
+        if groups and is_tie(scores[k], scores[groups[-1][0]]):
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    for group in groups:
+        group.sort(key=lambda k: (first(given[k]), k))
+    return [given[k] for group in groups for k in group]
+
+
+def is_tie(score: float, other: float) -> bool:
+    """Return whether two scores differ by no more than rounding and the end of a search."""
+    return score == other or abs(score - other) <= TIE * max(1.0, abs(other))
+
+
 _NOISE_IS_KNOWN = 1.2  # factor by which it may be larger than measured
-_DRAWS = 400  # of the Bayesian bootstrap: probabilities to two and a half per cent at worst
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
 _LEAST = 0.01  # of the mean misfit, or of noise: the least misfit of a part
 _ALL_IN_ONE = 1e-3  # share of the misfit in all parts but one: a jackknife tells nothing
@@ -41,42 +106,24 @@ _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part co
 
 @dataclass(frozen=True, eq=False)
 class Scored:
-    """
-    A fitted model, and its errors on P parts in C channels.
+    """A fitted model, and its errors on P parts in C channels."""
 
-    Attributes
-    ----------
-    effects : tuple of str
-        Its effects in the order in which they were found.
-    families : tuple of str
-        The family of each; '' for those of the nominal model, which are no names.
-    rank : tuple
-        Where it comes among models of equal score.
-    left_out, fitted : ndarray, shape (P, C)
-        Mean squares of the errors on each part, as predicted by the fit on the others and as
-        fitted, in those of noise.
-    counts : ndarray, shape (P, C)
-        Number of residuals.
-    parameters, laws, curves : int
-        Number of free values beyond those of the nominal model (those that data determine, where
-        some are known beforehand); laws other than zeros; curves among them.
-    found : object
-        The fit.
-    penalty : float
-        Further log prior odds against it: its place among many, values of a calibration [nat].
-
-    """
-
-    effects: tuple[str, ...]
+    effects: tuple[str, ...]  # its effects in the order in which they were found
+    # the family of each; '' for those of the nominal model, which are no names
     families: tuple[str, ...]
-    rank: tuple[Any, ...]
+    rank: tuple[Any, ...]  # where it comes among models of equal score
+    # left_out, fitted (P, C): mean squares of the errors on each part, as predicted by the fit on
+    # the others and as fitted, in those of noise
     left_out: Array
     fitted: Array
-    counts: Array
+    counts: Array  # (P, C) number of residuals
+    # parameters, laws, curves: number of free values beyond those of the nominal model (those that
+    # data determine, where some are known beforehand); laws other than zeros; curves among them
     parameters: float
     laws: int
     curves: int
-    found: Any = field(repr=False, default=None)
+    found: Any = field(repr=False, default=None)  # the fit
+    # further log prior odds against it: its place among many, values of a calibration [nat]
     penalty: float = 0.0
 
     @property
@@ -97,34 +144,17 @@ class Scored:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """
-    What models are compared against.
+    """What models are compared against."""
 
-    Attributes
-    ----------
-    base : Scored
-        The nominal model, recalibrated.
-    instrument : ndarray, shape (C,)
-        Mean square of the discrepancy of every instrument, in that of noise.
-    as_force : ndarray, shape (C,)
-        Mean square of noise in each channel as that of a force, by which channels are added up.
-    constants : Constants
-        Prior and error model.
-    noise : ndarray, shape (P, C), optional
-        Mean square of noise, in that which was measured beforehand; 1 by default.
-    level : Scored, optional
-        The base with the zeros that it asks for; the base by default.
-    white : bool
-        Whether noise is white; otherwise a bound of all that may be slow, too, and n = k.
-
-    """
-
-    base: Scored
-    instrument: Array
+    base: Scored  # the nominal model, recalibrated
+    instrument: Array  # (C,) mean square of the discrepancy of every instrument, in that of noise
+    # (C,) mean square of noise in each channel as that of a force, by which channels are added up
     as_force: Array
-    constants: Constants = CONSTANTS
+    constants: Constants = CONSTANTS  # prior and error model
+    # (P, C) mean square of noise, in that which was measured beforehand; 1 by default
     noise: Array | None = None
-    level: Scored | None = None
+    level: Scored | None = None  # the base with the zeros that it asks for; the base by default
+    # whether noise is white; otherwise a bound of all that may be slow, too, and n = k
     white: bool = True
 
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
@@ -190,7 +220,7 @@ class Evidence:
         both = [self.log_likelihoods(one) for one in models]
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]
-        drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), _DRAWS)
+        drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), DRAWS)
         scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T)
         scores += [self.log_prior(one) for one in models]
         scores = scores / self.constants.temperature
@@ -209,23 +239,11 @@ def of_families(models: Sequence[Scored], weights: Array) -> Mapping[str, float]
 
 
 class Share(NamedTuple):
-    """
-    The part of a misfit that a model takes away on parts that it was not fitted on.
+    """The part of a misfit that a model takes away on parts that it was not fitted on."""
 
-    Attributes
-    ----------
-    share : float
-        1 for all of it.
-    interval : tuple of float
-        95 %, by the jackknife over parts.
-    parts : ndarray, shape (P,)
-        Share of each part.
-
-    """
-
-    share: float
-    interval: tuple[float, float]
-    parts: Array
+    share: float  # 1 for all of it
+    interval: tuple[float, float]  # 95 %, by the jackknife over parts
+    parts: Array  # (P,) share of each part
 
 
 def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:

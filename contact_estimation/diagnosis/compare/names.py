@@ -8,49 +8,25 @@ from __future__ import annotations
 from typing import Callable, NamedTuple, Sequence
 
 from .beam import Compared
-from .evidence import Evidence, explained, of_families, Scored, Share, share_of
-from .order import ranked_by, ZEROS
+from .evidence import Evidence, explained, of_families, ranked_by, Scored, Share, share_of, ZEROS
 
 _LISTED = 3  # effects in the place of one, at most
 
 
 class Name(NamedTuple):
-    """
-    A name.
+    """A name."""
 
-    Attributes
-    ----------
-    effect : str
-        Key of EFFECTS.
-    probability : float
-        Of its family.
-    alike : list of str
-        Effects that may as well stand in its place, the likeliest first.
-
-    """
-
-    effect: str
-    probability: float
-    alike: list[str]
+    effect: str  # key of EFFECTS
+    probability: float  # of its family
+    alike: list[str]  # effects that may as well stand in its place, the likeliest first
 
 
 class Named(NamedTuple):
-    """
-    The model whose effects are named.
+    """The model whose effects are named."""
 
-    Attributes
-    ----------
-    model : Scored
-        The likeliest with exactly the families that are named.
-    names : list of Name
-        Of its effects.
-    rivals : dict of str to Scored
-        The likeliest model with another effect in the place of one, by that effect.
-
-    """
-
-    model: Scored
-    names: list[Name]
+    model: Scored  # the likeliest with exactly the families that are named
+    names: list[Name]  # of its effects
+    # the likeliest model with another effect in the place of one, by that effect
     rivals: dict[str, Scored]
 
 
@@ -59,19 +35,10 @@ Without = Callable[[Scored, Sequence[str]], 'Scored | None']
 
 
 class Part(NamedTuple):
-    """
-    What a name takes away.
+    """What a name takes away."""
 
-    Attributes
-    ----------
-    share : Share
-        Of the misfit of the base.
-    before, after : Scored
-        The model without this name and those that follow it, and with this name.
-
-    """
-
-    share: Share
+    share: Share  # of the misfit of the base
+    # before, after: the model without this name and those that follow it, and with this name
     before: Scored
     after: Scored
 

@@ -17,26 +17,14 @@ _TOUCHES = 3  # so that one can be held out
 
 
 class Reach(NamedTuple):
-    """
-    The reach of the recordings.
+    """The reach of the recordings."""
 
-    Attributes
-    ----------
-    location, gap : float
-        Surface of the wall, and greatest distance of the tool before it [m].
-    depth : float
-        Penetration [m].
-    gain : float
-        x_d beyond the surface per penetration at rest: 1 + K_e / K_t.
-    speed, touch_down_speed : float
-        Greatest, and typical at touch-down [m/s].
-
-    """
-
+    # location, gap: surface of the wall, and greatest distance of the tool before it [m]
     location: float
     gap: float
-    depth: float
-    gain: float
+    depth: float  # penetration [m]
+    gain: float  # x_d beyond the surface per penetration at rest: 1 + K_e / K_t
+    # speed, touch_down_speed: greatest, and typical at touch-down [m/s]
     speed: float
     touch_down_speed: float
 
@@ -56,20 +44,10 @@ class Reach(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """
-    An experiment that could come next.
+    """An experiment that could come next."""
 
-    Attributes
-    ----------
-    words : str
-        What to do, as an imperative within a sentence.
-    experiment : Experiment
-        One touch.
-
-    """
-
-    words: str
-    experiment: Experiment
+    words: str  # what to do, as an imperative within a sentence
+    experiment: Experiment  # one touch
 
     def repeated(self) -> Experiment:
         """Return several touches, so that one can be held out."""

@@ -17,18 +17,16 @@ from .location import locate, Location
 from .next_experiment import advice, nearly
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
 from .views import Progress, Seen
-from ..compare.evidence import explained, Scored, share_of
+from ..compare.evidence import explained, ranked_by, Scored, share_of, ZEROS
 from ..compare.names import name, Named, parts, without_least
-from ..compare.order import ranked_by, ZEROS
-from ..fit.applicable import untried
-from ..fit.discrepancy import material, standard_deviations
+from ..fit.discrepancy import discounted, material, standard_deviations
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run, refine
-from ..fit.model_uncertainty import discounted
-from ..observe.model import Model, names_of
+from ..fit.space import untried
+from ..observe.model import Model
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ...parameters.specification import specifications
+from ...parameters.specification import own_specifications
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -222,13 +220,12 @@ class _Conclusion:
         found = []
         for effect, (share, before, after) in told.items():
             beside = None if rest is None or effect in ZEROS else share_of(rest, before, after)
-            cls, place = EFFECTS[effect], values.place(effect)
-            units = [spec.unit for spec in specifications(cls.Parameters)]
+            cls, stds = EFFECTS[effect], self._stds[values.place(effect)]
             parameters = {
-                key: Value(value, float(std), unit) for key, value, std, unit in zip(
-                    names_of(effect), values.values[place], self._stds[place], units)}
-            on_parts = [EffectOnPart(part.name, float(of_part), dict(zip(
-                names_of(effect), each.values[each.place(effect)])))
+                spec.name: Value(value, float(std), spec.unit) for spec, value, std in zip(
+                    own_specifications(cls), values.effect(effect).values().values(), stds)}
+            on_parts = [
+                EffectOnPart(part.name, float(of_part), each.effect(effect).values())
                 for part, of_part, each in zip(model.found.parts, share.parts, alone)]
             found.append(NamedEffect(
                 effect, cls.family, cls.port, cls.equation, names[effect].probability,

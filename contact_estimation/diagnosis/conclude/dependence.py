@@ -18,6 +18,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from .location import phases
+from ..compare.evidence import DRAWS
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import residuals
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 Places = NDArray[np.int_]
 
 _STRETCH_S = 0.5
-_DRAWS = 400
 _BAND = (2.5, 97.5)
 _AT_ONCE = 1_000_000  # values of permuted stretches: 8 MB
 _SIGNIFICANCE = 99.0  # percentile of the distribution without dependence
@@ -38,37 +38,20 @@ _LEAST_SHARE = 0.05  # of the residuals, that smoothing alone can cause
 
 
 class Dependence(NamedTuple):
-    """
-    Dependence of the residuals of a channel on a quantity.
+    """Dependence of the residuals of a channel on a quantity."""
 
-    Attributes
-    ----------
-    channel : str
-        'force' or 'motion'.
-    on, unit : str
-        The quantity, such as 'velocity'; unit '' if the bins have `names`.
-    share : float
-        Of the mean square of the residual: explained by the means of the bins; for 'its own past'
-        by the blocks just before; for 'frequency' 1 less the spectral flatness.
-    chance : float
-        99 % quantile of the share without dependence.
-    names : tuple of str
-        Of the bins, if they have names.
-    middle : ndarray, shape (bins,)
-        Of the quantity in each bin; for 'its own past' lags [s].
-    mean, low, high : ndarray, shape (bins,)
-        Of the residual, in standard deviations of a block, with its 95 % band; for 'its own past'
-        the autocorrelation, for 'frequency' the power in that of the noise.
-
-    """
-
-    channel: str
+    channel: str  # 'force' or 'motion'
+    # on, unit: the quantity, such as 'velocity'; unit '' if the bins have `names`
     on: str
     unit: str
+    # of the mean square of the residual: explained by the means of the bins; for 'its own past' by
+    # the blocks just before; for 'frequency' 1 less the spectral flatness
     share: float
-    chance: float
-    names: tuple[str, ...]
-    middle: Array
+    chance: float  # 99 % quantile of the share without dependence
+    names: tuple[str, ...]  # of the bins, if they have names
+    middle: Array  # (bins,) of the quantity in each bin; for 'its own past' lags [s]
+    # mean, low, high (bins,): of the residual, in standard deviations of a block, with its 95 %
+    # band; for 'its own past' the autocorrelation, for 'frequency' the power in that of the noise
     mean: Array
     low: Array
     high: Array
@@ -106,7 +89,7 @@ def dependences(
             continue
         use = use[:count * span]
         residual = part[use]
-        orders = generator.permuted(np.tile(np.arange(count), (_DRAWS, 1)), axis=1)
+        orders = generator.permuted(np.tile(np.arange(count), (DRAWS, 1)), axis=1)
         for binned in _quantities(recording, model, use):
             found.append(_dependence(name, residual, binned, orders, generator))
         found.append(_on_frequency(name, residual, recording.block_s, count, generator))
@@ -165,7 +148,7 @@ def _dependence(
     total = counts.sum(axis=0)
     permuted = np.concatenate([
         np.sum(_sums(rows[some].reshape(len(some), -1), bins, size)**2 / total, axis=1)
-        for some in np.array_split(orders, 1 + residual.size * _DRAWS // _AT_ONCE)])
+        for some in np.array_split(orders, 1 + residual.size * DRAWS // _AT_ONCE)])
     square = max(float(residual @ residual), 1e-300)
     return Dependence(
         channel, binned.on, binned.unit, float(total @ mean**2) / square,
@@ -183,7 +166,7 @@ def _sums(series: Array, bins: Places, size: int) -> Array:
 
 def _drawn(count: int, generator: Generator) -> Array:
     """Draw stretches with replacement; return how often each is drawn, (draws, count)."""
-    drawn = generator.multinomial(count, np.full(count, 1.0 / count), _DRAWS)
+    drawn = generator.multinomial(count, np.full(count, 1.0 / count), DRAWS)
     return np.asarray(drawn, np.float64)
 
 
@@ -212,7 +195,7 @@ def _on_frequency(
     drawn = _drawn(segments, generator)
     low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
     permuted = [uneven(octave_powers(generator.permutation(residual)))
-                for _ in range(_DRAWS // 4)]
+                for _ in range(DRAWS // 4)]
     middle = np.bincount(bins, frequencies)[1:] / lines[1:]
     return Dependence(
         channel, 'frequency', 'Hz', uneven(powers),
@@ -245,7 +228,7 @@ def _on_past(
         left = series[_PAST:] - past @ np.linalg.lstsq(past, series[_PAST:], rcond=None)[0]
         return 1.0 - float(left @ left) / square
 
-    permuted = [predictable_share(generator.permutation(residual)) for _ in range(_DRAWS // 4)]
+    permuted = [predictable_share(generator.permutation(residual)) for _ in range(DRAWS // 4)]
     return Dependence(
         channel, 'its own past', 's', predictable_share(residual),
         float(np.percentile(permuted, _SIGNIFICANCE)), (), step * np.arange(1.0, _PAST + 1.0),

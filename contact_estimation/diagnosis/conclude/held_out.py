@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .result import Errors, HeldOutErrors
+from ..compare.evidence import DRAWS
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import force_residual
@@ -20,33 +21,17 @@ Flags = NDArray[np.bool_]
 
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
-_DRAWS = 400
 
 
 class Part(NamedTuple):
-    """
-    A held-out part with the squared errors of the models on it.
+    """A held-out part with the squared errors of the models on it."""
 
-    Attributes
-    ----------
-    name : str
-        Of the part.
-    force : ndarray, shape (models, blocks)
-        Sums of squared force errors over blocks of a quarter second [N^2].
-    samples : ndarray, shape (blocks,)
-        Samples in them.
-    motion : ndarray, shape (models, blocks), or None
-        Sums of squared position errors [m^2].
-    motion_samples : ndarray, shape (blocks,)
-        Samples in them.
-
-    """
-
-    name: str
+    name: str  # of the part
+    # (models, blocks) sums of squared force errors over blocks of a quarter second [N^2]
     force: Array
-    samples: Array
-    motion: Array | None
-    motion_samples: Array
+    samples: Array  # (blocks,) samples in them
+    motion: Array | None  # (models, blocks) sums of squared position errors [m^2]
+    motion_samples: Array  # (blocks,) samples in them
 
 
 def measure_part(
@@ -119,7 +104,7 @@ def improvement_interval(
     use = np.flatnonzero(count > 0.0)
     if len(use) < 2:
         return None
-    drawn = generator.choice(use, (_DRAWS, len(use)))
+    drawn = generator.choice(use, (DRAWS, len(use)))
     recalibrated, corrected = (force[k][drawn].sum(axis=1) for k in (1, 2))
     ratios = 1.0 - np.sqrt(corrected / np.maximum(recalibrated, 1e-300))
     low, high = np.percentile(ratios, (2.5, 97.5))

@@ -20,7 +20,7 @@ from ..observe.residuals import (
     residuals,
     response_to,
 )
-from ...physics.effect import Effect
+from ...physics.effect import Effect, Need
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -35,28 +35,13 @@ _SLOW = 0.15  # of the speed that 95 % of the contact stays below
 
 
 class Location(NamedTuple):
-    """
-    Location of a mismatch.
+    """Location of a mismatch."""
 
-    Attributes
-    ----------
-    port : str
-        'contact', 'force_sensor' or 'robot'.
-    intervals_s : list of (float, float)
-        Times of large residuals [s].
-    phase : str
-        'free', 'entry', 'loading', 'hold', 'unloading' or 'all'.
-    region : str
-        Of depth and speed, in words.
-    band_hz : (float, float)
-        Frequencies between which four fifths of the residual's energy lie.
-
-    """
-
-    port: str
-    intervals_s: list[tuple[float, float]]
-    phase: str
-    region: str
+    port: str  # 'contact', 'force_sensor' or 'robot'
+    intervals_s: list[tuple[float, float]]  # times of large residuals [s]
+    phase: str  # 'free', 'entry', 'loading', 'hold', 'unloading' or 'all'
+    region: str  # of depth and speed, in words
+    # frequencies between which four fifths of the residual's energy lie
     band_hz: tuple[float, float]
 
     def as_dict(self) -> dict[str, Any]:
@@ -75,7 +60,7 @@ def locate(
     """Locate the misfit of a model."""
     parts = recording.split(residuals(recording, model)) ** 2
     port = acting.port if acting else guess_port(recording, model)
-    in_motion = acting.needs_robot if acting else port == 'robot'
+    in_motion = Need.ROBOT in acting.needs if acting else port == 'robot'
     energy = parts[-1] if in_motion else parts[0]
     return Location(
         port, intervals(recording, energy), _phase(energy, phases(recording, model)),

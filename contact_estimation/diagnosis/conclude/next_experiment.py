@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .result import Diagnosis, NamedEffect
-from ..compare.evidence import Evidence, explained, Scored
-from ..compare.order import ranked_by
+from ..compare.evidence import Evidence, explained, ranked_by, Scored
+from ..fit.discrepancy import discounted
 from ..fit.fitting import differentiate_by, residual_function
 from ..fit.free_run import plant_of, steps_a_sample
-from ..fit.model_uncertainty import discounted
-from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
+from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
@@ -43,40 +42,18 @@ _SEPARATES = 0.1  # mean square of a difference, in that of noise: a clear one
 
 
 class Proposal(NamedTuple):
-    """
-    The experiment to run next.
+    """The experiment to run next."""
 
-    Attributes
-    ----------
-    text : str
-        In a sentence, with the expected difference.
-    experiment : Experiment
-        To run.
-
-    """
-
-    text: str
-    experiment: Experiment
+    text: str  # in a sentence, with the expected difference
+    experiment: Experiment  # to run
 
 
 class Difference(NamedTuple):
-    """
-    Difference of two models in an experiment.
+    """Difference of two models in an experiment."""
 
-    Attributes
-    ----------
-    strength : float
-        Mean square of the residuals, in that of the noise.
-    force : float
-        Greatest difference of the forces, in standard deviations of one sample.
-    motion : float or None
-        The same of the motion; None where no robot was recorded.
-
-    """
-
-    strength: float
-    force: float
-    motion: float | None
+    strength: float  # mean square of the residuals, in that of the noise
+    force: float  # greatest difference of the forces, in standard deviations of one sample
+    motion: float | None  # the same of the motion; None where no robot was recorded
 
 
 def choose(diagnosis: Diagnosis) -> Proposal | None:

@@ -27,42 +27,21 @@ _BEYOND = 1.2  # times the noise: an error that shows a misfit
 
 @dataclass(frozen=True)
 class Value:
-    """
-    A parameter with its uncertainty.
+    """A parameter with its uncertainty."""
 
-    Attributes
-    ----------
-    value, std : float
-        Estimate, and its standard deviation for residuals correlated in time.
-    unit : str
-        SI.
-
-    """
-
+    # value, std: estimate, and its standard deviation for residuals correlated in time
     value: float
     std: float
-    unit: str
+    unit: str  # SI
 
 
 @dataclass(frozen=True)
 class EffectOnPart:
-    """
-    An effect on one part of the recordings.
+    """An effect on one part of the recordings."""
 
-    Attributes
-    ----------
-    name : str
-        Of the part, such as 'episode 2'.
-    share : float
-        Of the part's misfit above the noise, predicted from the other parts.
-    parameters : dict of str to float
-        Fitted on that part alone.
-
-    """
-
-    name: str
-    share: float
-    parameters: dict[str, float]
+    name: str  # of the part, such as 'episode 2'
+    share: float  # of the part's misfit above the noise, predicted from the other parts
+    parameters: dict[str, float]  # fitted on that part alone
 
 
 @dataclass(frozen=True)
@@ -110,37 +89,18 @@ class NamedEffect:
 
 @dataclass(frozen=True)
 class Remainder:
-    """
-    What all named effects together leave.
+    """What all named effects together leave."""
 
-    Attributes
-    ----------
-    share : float
-        Of the recalibrated model's squared misfit above the noise, on parts left out.
-    location : Location
-        Of the misfit of the corrected model.
-    text : str
-        In words.
-
-    """
-
-    share: float
-    location: Location
-    text: str
+    share: float  # of the recalibrated model's squared misfit above the noise, on parts left out
+    location: Location  # of the misfit of the corrected model
+    text: str  # in words
 
 
 @dataclass(frozen=True)
 class Errors:
-    """
-    Root-mean-square errors of the three models.
+    """Root-mean-square errors of the three models."""
 
-    Attributes
-    ----------
-    nominal, recalibrated, corrected : float or None
-        None without held-out data.
-
-    """
-
+    # nominal, recalibrated, corrected: none without held-out data
     nominal: float | None
     recalibrated: float | None
     corrected: float | None
@@ -173,19 +133,10 @@ class Errors:
 
 @dataclass(frozen=True)
 class HeldOutErrors:
-    """
-    Errors on one held-out part.
+    """Errors on one held-out part."""
 
-    Attributes
-    ----------
-    name : str
-        Such as 'episode 2'.
-    force, motion : Errors
-        [N], [m].
-
-    """
-
-    name: str
+    name: str  # such as 'episode 2'
+    # force, motion: [N], [m]
     force: Errors
     motion: Errors
 

@@ -15,15 +15,15 @@ from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
-from .offsets import Offset, offset_of
 from ..checks.check import Check
 from ..compare.beam import Compared, refit, search
 from ..compare.evidence import Scored
-from ..fit.fitting import Fit, fit
+from ..fit.discrepancy import discounted, without_ripple
+from ..fit.fitting import Fit, fit, residual_function
 from ..fit.free_run import free_run
 from ..fit.left_out import Part
-from ..fit.model_uncertainty import discounted, without_ripple
 from ..fit.space import ContactModels
 from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.model import Model
@@ -34,6 +34,71 @@ from ...physics import EFFECTS
 from ...plant.sampled_signals import BETWEEN
 
 Array = NDArray[np.float64]
+
+_STEPS = 3  # of Gauss and Newton to an offset of stamps
+_FAR_S = 0.03  # the longest of them: beyond, residuals are not linear
+_FILTER_S, _OF_PERIOD = 0.003, 0.9  # less late is a filter, or the course between two samples
+_EARLY_S = 0.0012  # less early is how well stamps are known
+
+
+class Offset(NamedTuple):
+    """A topic whose stamps differ from those of the others."""
+
+    topic: str  # 'wrench' or 'joint_states'
+    seconds: float  # how late the topic is stamped [s]; negative if early
+
+    def put_right(self, one: Recording) -> Recording:
+        """Shift the stamps of a recording, which count from the first wrench."""
+        s, others = one.signals, self.seconds if self.topic == 'wrench' else 0.0
+        joints = others - (self.seconds if self.topic == 'joint_states' else 0.0)
+        return replace(one, signals=s._replace(
+            joint_t=s.joint_t + joints, reference_t=s.reference_t + others))
+
+
+def offset_of(topic: str, raw: Sequence[Recording], lawful: Scored) -> Offset | None:
+    """Return by how much the stamps of a topic are off; None if by less than a filter."""
+    period = max(float(np.median(np.diff(one.signals.joint_t))) for one in raw)
+    offset = Offset(topic, 0.0)
+    for _ in range(_STEPS):
+        offset = _closer(raw, lawful, offset)
+    # A wrench that is late is what a sensor with a delay measures, an effect of the library.
+    late = offset.seconds > 0.0
+    least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
+    if abs(offset.seconds) < least or late and topic == 'wrench':
+        return None
+    found = minimize_scalar(
+        lambda share: fit(_shifted(raw, lawful, offset._replace(
+            seconds=share * offset.seconds)), lawful.found.found.model, steps=8).cost,
+        method='bounded', bounds=(0.7, 1.5), options={'maxiter': 8})
+    return offset._replace(seconds=float(found.x) * offset.seconds)
+
+
+def _shifted(raw: Sequence[Recording], lawful: Scored, offset: Offset) -> Recordings:
+    """Put the stamps of a topic right, with noise and discrepancy as before."""
+    return [
+        replace(prepare(offset.put_right(signals), lawful.found.found.model, hold=False),
+                use=one.use, block=one.block, force_noise=one.force_noise,
+                motion_noise=one.motion_noise, force_discrepancy=one.force_discrepancy,
+                motion_discrepancy=one.motion_discrepancy, discount=one.discount)
+        for signals, one in zip(raw, lawful.found.recordings)]
+
+
+def _closer(raw: Sequence[Recording], lawful: Scored, offset: Offset) -> Offset:
+    """Take a Gauss-Newton step of the offset of a topic, together with the values of a model."""
+    told = lawful.found
+    model, period = told.found.model, min(one.observed.h for one in told.recordings)
+
+    def residuals_at(seconds: float) -> Array:
+        there = _shifted(raw, lawful, offset._replace(seconds=seconds))
+        return residual_function(there, model)(model.coordinates)
+
+    here = residuals_at(offset.seconds)
+    by_offset = (residuals_at(offset.seconds + period) - here) / period
+    columns = np.column_stack((told.jacobian, by_offset * period))
+    step = np.linalg.lstsq(columns, -here, rcond=1e-10)[0][-1] * period
+    return offset._replace(seconds=offset.seconds + float(np.clip(step, -_FAR_S, _FAR_S)))
+
+
 Progress = Callable[[str], None]
 
 _STRAIGHT = next(iter(BETWEEN))  # the usual course of a force between samples
@@ -44,24 +109,13 @@ _CAUSED = ('timing', 'inertia', 'relaxation')  # families that stamps which are 
 
 
 class Given(NamedTuple):
-    """
-    What is diagnosed, after all checks.
+    """What is diagnosed, after all checks."""
 
-    Attributes
-    ----------
-    nominal : Model
-        The model under diagnosis.
-    fitted, held_out : sequence of Recording
-        To fit, and to test on; without the latter a part of the former is held out.
-    checks : list of Check
-        Of all recordings.
-
-    """
-
-    nominal: Model
+    nominal: Model  # the model under diagnosis
+    # fitted, held_out: to fit, and to test on; without the latter a part of the former is held out
     fitted: Sequence[Recording]
     held_out: Sequence[Recording]
-    checks: list[Check]
+    checks: list[Check]  # of all recordings
 
     def with_each(self, change: Callable[[Recording], Recording]) -> 'Given':
         """Return the same with every recording changed."""
@@ -70,32 +124,15 @@ class Given(NamedTuple):
 
 
 class View(NamedTuple):
-    """
-    A way to look at recordings.
+    """A way to look at recordings."""
 
-    Attributes
-    ----------
-    given : Given
-        What is diagnosed, with what the view changes in the signals.
-    between : str
-        Course between samples of a force that drives a wall; a key of BETWEEN.
-    holds_reference : bool
-        Whether the robot holds its reference between setpoints.
-    places : tuple of float
-        Where each contact begins, if at different places [m].
-    moving : bool
-        Whether samples at rest are left out.
-    offset : Offset, optional
-        By which the stamps of a topic are put right.
-
-    """
-
-    given: Given
+    given: Given  # what is diagnosed, with what the view changes in the signals
+    # course between samples of a force that drives a wall; a key of BETWEEN
     between: str = _STRAIGHT
-    holds_reference: bool = False
-    places: tuple[float, ...] = ()
-    moving: bool = False
-    offset: Offset | None = None
+    holds_reference: bool = False  # whether the robot holds its reference between setpoints
+    places: tuple[float, ...] = ()  # where each contact begins, if at different places [m]
+    moving: bool = False  # whether samples at rest are left out
+    offset: Offset | None = None  # by which the stamps of a topic are put right
 
     @property
     def changes(self) -> int:
@@ -104,29 +141,13 @@ class View(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """
-    Models compared in a view.
+    """Models compared in a view."""
 
-    Attributes
-    ----------
-    view : View
-        How the recordings are looked at.
-    recordings : sequence of PreparedRecording
-        Fitted together, without a discrepancy.
-    base : Fit
-        The recalibrated model.
-    models : ContactModels
-        The models.
-    compared : Compared
-        What was found.
-
-    """
-
-    view: View
-    recordings: Recordings
-    base: Fit
-    models: ContactModels
-    compared: Compared
+    view: View  # how the recordings are looked at
+    recordings: Recordings  # fitted together, without a discrepancy
+    base: Fit  # the recalibrated model
+    models: ContactModels  # the models
+    compared: Compared  # what was found
 
     @property
     def best(self) -> Scored:

@@ -127,42 +127,27 @@ def differentiate_by(
 
 def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
     """Differentiate residuals by the free values of a model, with steps that show its switches."""
-    lets_go = [EFFECTS[effect].lets_go for effect in model.effects for _ in names_of(effect)]
-    shares = np.where([False] * model.base_count + lets_go, _ACROSS, _STEP)[model.free]
+    steps = [_ACROSS if getattr(EFFECTS[effect], 'lets_go', False) else _STEP
+             for effect in model.effects for _ in names_of(effect)]
+    shares = np.array([_STEP] * model.base_count + steps)[model.free]
     return differentiate_by(
         model.coordinates, model.steps, function, here, shares, model.ranges[1])
 
 
-_MOST_SEARCHES, _SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
+_MOST_SEARCHES, SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
 _BRIEFLY, _TO_END = 1e-3, 1e-6  # relative gain at which a search ends
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
 _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
 
 
 class Fit(NamedTuple):
-    """
-    A fitted model.
+    """A fitted model."""
 
-    Attributes
-    ----------
-    model : Model
-        With the best values.
-    cost : float
-        Sum of the squared residuals, in standard deviations.
-    residuals : ndarray, shape (R,)
-        At the best values.
-    residual_count : int
-        Number of residuals that are not empty.
-    ended : bool
-        False if the search ran out of steps while the cost was still falling.
-
-    """
-
-    model: Model
-    cost: float
-    residuals: Array
-    residual_count: int
-    ended: bool = True
+    model: Model  # with the best values
+    cost: float  # sum of the squared residuals, in standard deviations
+    residuals: Array  # (R,) at the best values
+    residual_count: int  # number of residuals that are not empty
+    ended: bool = True  # false if the search ran out of steps while the cost was still falling
 
     @property
     def name(self) -> str:
@@ -231,7 +216,7 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
         if found.ended:
             break
         before, found = found.cost, fit(recordings, found.model, known=found.residuals)
-        if found.cost > _SLOWLY * before:
+        if found.cost > SLOWLY * before:
             break
     return found
 

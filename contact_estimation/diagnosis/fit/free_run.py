@@ -12,15 +12,13 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, sum_of_squares
+from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, SLOWLY, sum_of_squares
 from ..observe.driven_wall import DrivenWall
 from ..observe.model import Model
 from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
-from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
-from ...physics import EFFECTS
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters
@@ -47,27 +45,16 @@ def plant_of(model: Model) -> PlantParameters:
     if model.with_inertia:
         values['environment.inertia'] = model.values[2]
     for name in model.effects:
-        names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
-        for parameter, value in zip(names, model.values[model.place(name)]):
+        for parameter, value in model.effect(name).values().items():
             values[f'physics.{name}.{parameter}'] = value
     return build(PlantParameters, values)
 
 
 class Run(NamedTuple):
-    """
-    A free run, sample by sample.
+    """A free run, sample by sample."""
 
-    Attributes
-    ----------
-    position : ndarray, shape (N,)
-        x [m].
-    force : ndarray, shape (N,)
-        Output of the force sensor without noise [N].
-
-    """
-
-    position: Array
-    force: Array
+    position: Array  # (N,) x [m]
+    force: Array  # (N,) output of the force sensor without noise [N]
 
 
 def steps_a_sample(model: Model, o: Observed) -> int:
@@ -133,7 +120,7 @@ _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
 _ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
 _ROUNDS = 8  # rounds in which the free run of a wall converges
-_MOST_TRIES, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_MOST_TRIES = 5  # of Gauss and Newton
 _AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
 _WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
@@ -179,8 +166,8 @@ def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run
         before, after = sum_of_squares(here), sum_of_squares(there)
         if after < before:
             values, here = tried, there
-        if after > _SLOWLY * before:
-            little = foretold > _SLOWLY * before and after < _AS_FORETOLD * before
+        if after > SLOWLY * before:
+            little = foretold > SLOWLY * before and after < _AS_FORETOLD * before
             if little or not search.updated:
                 break
             search.renew()  # the updated Jacobian points astray

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from .discrepancy import CHANNELS
 from .fitting import Fit, jacobian_at, residual_function
-from ..checks.measures import bend_of, STRAIGHT
-from ..observe.episodes import episodes
+from ..checks.check import bend_of, STRAIGHT
 from ..observe.model import Model
+from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, huber, ROBUST
 
@@ -29,20 +29,10 @@ _LEAST_RESIDUALS = 8  # of a part
 
 
 class Part(NamedTuple):
-    """
-    A part of the recordings.
+    """A part of the recordings."""
 
-    Attributes
-    ----------
-    name : str
-        Such as 'episode 2' or '3.0 to 4.5 s'.
-    there : ndarray of bool, shape (R,)
-        Its residuals among the stacked ones of all recordings.
-
-    """
-
-    name: str
-    there: Flags
+    name: str  # such as 'episode 2' or '3.0 to 4.5 s'
+    there: Flags  # (R,) its residuals among the stacked ones of all recordings
 
 
 def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
@@ -140,7 +130,6 @@ def _between(
 Array = NDArray[np.float64]
 
 _LOOSE = 3.0  # typical sizes of a value: standard deviation of its prior
-_OUTLIER = 5.0  # standard deviations beyond which an error counts as one at that distance
 _SUSPICIOUS = 3.0  # times the error as fitted: a prediction that may be no longer linear
 _DAMPING = (0.0, 0.01, 0.1, 1.0, 10.0)  # of a step, of the normal matrix (Marquardt 1963)
 _USUAL = 0.455  # median of a squared normal error, in its mean
@@ -148,23 +137,11 @@ _USUAL = 0.455  # median of a squared normal error, in its mean
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """
-    A fit and its derivatives, from which the fits on some of the parts follow by linear algebra.
+    """A fit and its derivatives: fits on some of the parts follow by linear algebra."""
 
-    Attributes
-    ----------
-    recordings : sequence of PreparedRecording
-        With the discrepancy of the model.
-    found : Fit
-        On all parts.
-    parts : sequence of Part
-        Of the recordings.
-
-    """
-
-    recordings: Recordings
-    found: Fit
-    parts: Sequence[Part]
+    recordings: Recordings  # with the discrepancy of the model
+    found: Fit  # on all parts
+    parts: Sequence[Part]  # of the recordings
     here: Array = field(init=False, repr=False)
     jacobian: Array = field(init=False, repr=False)
 
@@ -259,7 +236,7 @@ class Linearised:
             of_channel = squares[channel == k]
             if len(of_channel):
                 usual = max(1.0, float(np.median(of_channel)) / _USUAL)
-                found[k] = float(np.mean(np.minimum(of_channel, _OUTLIER**2 * usual)))
+                found[k] = float(np.mean(np.minimum(of_channel, ROBUST**2 * usual)))
         return found
 
     def values_on(self, part: Part) -> Model:

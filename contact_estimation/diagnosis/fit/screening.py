@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
-from ..compare.order import prior, ranked_by
+from ..compare.evidence import prior, ranked_by
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber
 from ...physics import EFFECTS
-from ...physics.drawn_effect import Scales, Tone
+from ...physics.prior import Scales, Tone
 
 
 Array = NDArray[np.float64]
@@ -118,26 +118,12 @@ _LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that i
 
 
 class _Start(NamedTuple):
-    """
-    A start of an effect beside the nominal model.
+    """A start of an effect beside the nominal model."""
 
-    Attributes
-    ----------
-    model : Model
-        The nominal model with the effect.
-    change : ndarray, shape (R,)
-        Of the residuals.
-    columns : ndarray, shape (R, p)
-        Their derivatives by its free values, for changes by their typical sizes.
-    rescaled : bool
-        Whether the wall is that beside which the effect leaves the measured force.
-
-    """
-
-    model: Model
-    change: Array
+    model: Model  # the nominal model with the effect
+    change: Array  # (R,) of the residuals
+    # (R, p) their derivatives by its free values, for changes by their typical sizes
     columns: Array
-    rescaled: bool
 
     @property
     def name(self) -> str:
@@ -146,23 +132,11 @@ class _Start(NamedTuple):
 
 
 class Step(NamedTuple):
-    """
-    A step from a start.
+    """A step from a start."""
 
-    Attributes
-    ----------
-    foretold : float
-        Cost there, foretold by the derivatives.
-    model : Model
-        There.
-    start : Model
-        From where.
-
-    """
-
-    foretold: float
-    model: Model
-    start: Model
+    foretold: float  # cost there, foretold by the derivatives
+    model: Model  # there
+    start: Model  # from where
 
     @property
     def name(self) -> str:
@@ -172,26 +146,12 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """
-    All starts of all effects, beside the nominal model.
+    """All starts of all effects, beside the nominal model."""
 
-    Attributes
-    ----------
-    recordings : sequence of PreparedRecording
-        With a common discrepancy.
-    base : Fit
-        The recalibrated model.
-    names : sequence of str
-        The effects.
-    scales : Scales
-        Magnitudes of motion and forces.
-
-    """
-
-    recordings: Recordings
-    base: Fit
-    names: Sequence[str]
-    scales: Scales
+    recordings: Recordings  # with a common discrepancy
+    base: Fit  # the recalibrated model
+    names: Sequence[str]  # the effects
+    scales: Scales  # magnitudes of motion and forces
 
     def _straight(self, model: Model, values: Array) -> Array:
         """Return residuals that are neither bent nor have a long memory."""
@@ -202,14 +162,11 @@ class Screening:
         here, starts = self._straight(self.base.model, self.base.model.coordinates), []
         for name in self.names:
             models = [self.base.model.with_effect(name, values)
-                      for values in EFFECTS[name].starts(self.scales)]
-            starts += [self._start(model, here, False) for model in models]
-            if EFFECTS[name].rescales_wall:
-                starts += [self._start(model.with_rescaled_wall(), here, True)
-                           for model in models]
+                      for values in EFFECTS[name].prior(self.scales).starts]
+            starts += [self._start(model, here) for model in models]
         return starts
 
-    def _start(self, model: Model, here: Array, rescaled: bool) -> _Start:
+    def _start(self, model: Model, here: Array) -> _Start:
         own = _of_newest(model)
         first = model.coordinates
         there = self._straight(model, first)
@@ -221,7 +178,7 @@ class Screening:
 
         columns = differentiate_by(
             first[own], model.steps[own], by_own, there, most=model.ranges[1][own])
-        return _Start(model, there - here, columns, rescaled)
+        return _Start(model, there - here, columns)
 
     def steps(self, present: Model, names: Sequence[str]) -> dict[str, list[Step]]:
         """Take one Gauss-Newton step from each start, beside a model."""
@@ -245,7 +202,6 @@ class Screening:
         """Take the best of the steps of all its values, and of those it is linear in."""
         name, values = start.name, start.model.values[start.model.place(start.name)]
         made = present.with_effect(name, values)
-        made = made.with_rescaled_wall() if start.rescaled else made
         shapes = _shapes(made)
         left = here + start.change
         left_over = left - basis @ (basis.T @ left)

@@ -1,7 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The models of a contact that are compared, and how they are fitted."""
+"""
+The models of a contact that are compared, which effects they may have, and how they are fitted.
+
+An effect may be added if it is physically possible on a rig, also if a recording cannot tell it
+from another: both then have the same weight, and are listed with each other.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +17,111 @@ from typing import Callable, NamedTuple, Sequence, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .applicable import candidates_in, is_credible
 from .discrepancy import CHANNELS, force_of_motion, weighed
 from .fitting import Fit, fit, fit_at
 from .left_out import Linearised, Part, parts_of
 from .screening import measure_scales, Screening, Step
 from ..compare.constants import CONSTANTS
-from ..compare.evidence import Evidence, Scored
-from ..compare.order import prior, ranked, ZEROS
+from ..compare.evidence import Evidence, prior, ranked, Scored, ZEROS
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
+from ..observe.residuals import force_residual
 from ...physics import EFFECTS
+from ...physics.effect import Effect, Need
 
 Array = NDArray[np.float64]
+
+_SLACK = 0.02  # of the range, by which a pressed wall may be pulled
+_STROKES = 1.5  # ranges of the motion: its path, if it returns
+
+
+def candidates_in(recordings: Recordings, model: Model) -> list[str]:
+    """List the effects that may be added to a model."""
+    return [name for name, cls in EFFECTS.items() if name not in model.effects
+            and name not in model.excluded and not _impossible(cls, recordings, model)]
+
+
+def untried(recordings: Recordings, model: Model) -> list[tuple[str, str]]:
+    """List the families of which no law was tried."""
+    tried = {EFFECTS[name].family for name in candidates_in(recordings, model)}
+    reasons = dict[str, str]()
+    for name, cls in EFFECTS.items():
+        if cls.family not in tried:
+            reason = _impossible(cls, recordings, model) or (
+                'the nominal model has it' if name in model.effects else
+                'a check has failed that looks like it')
+            reasons.setdefault(cls.family, reason)
+    return sorted(reasons.items())
+
+
+def _impossible(cls: type[Effect], recordings: Recordings, model: Model) -> str:
+    """Say what an effect needs that a rig, or its motion, lacks; '' if it is possible."""
+    wall = model.nominal.environment
+    attached = not wall.unilateral
+    lacks = {
+        Need.ROBOT: all(one.observed.reference is None for one in recordings),
+        Need.TOUCH: attached,
+        Need.ATTACHMENT: not attached,
+        Need.PRESSING: attached and not _is_pressed(recordings, model),
+        Need.SPRING: attached and wall.stiffness <= 0.0,
+        Need.NO_DRIVE: attached and wall.inertia > 0.0,
+        Need.NO_MASS: model.with_inertia,
+        Need.RETURN: not any(map(_returns, recordings)),
+    }
+    return next((f'needs {need.value}' for need in Need if need in cls.needs and lacks[need]), '')
+
+
+def _is_pressed(recordings: Recordings, model: Model) -> bool:
+    """Return whether a permanently attached wall is only pressed in recordings, never pulled."""
+    surface = model.nominal.environment.location
+    return all(float(np.min(one.observed.x)) - surface > -_SLACK * float(np.ptp(one.observed.x))
+               for one in recordings)
+
+
+def _returns(recording: PreparedRecording) -> bool:
+    """Return whether the motion is more than one stroke and a hold."""
+    x = recording.observed.x
+    return float(np.sum(np.abs(np.diff(x)))) > _STROKES * float(np.ptp(x))
+
+
+# Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
+# in the direction in which it is clipped less.
+_LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
+
+
+def is_credible(recordings: Recordings, model: Model) -> bool:
+    """Return whether the values of a model are possible, and its last effect where they put it."""
+    effect = model.effect(model.effects[-1])
+    return model.plausible() and not effect.vanishes() and any(
+        effect.may_show(_Recorded(one, model)) for one in recordings)
+
+
+class _Recorded:
+    """What an effect asks of a recording; see `Seen`."""
+
+    def __init__(self, recording: PreparedRecording, model: Model) -> None:
+        self._recording, self._model = recording, model
+        self.force = float(np.max(np.abs(recording.observed.force)))
+        self.duration = float(recording.observed.t[-1])
+        self.sample_period = recording.observed.h
+
+    def clips(self, limit: float) -> bool:
+        """
+        Return whether the force sensor clips as a saturating one does.
+
+        The measured force is level where it would be held, though the motion is not, and not for
+        most of the time to and fro, as friction holds it.
+        """
+        one, model = self._recording, self._model
+        o, force = one.observed, one.observed.force
+        held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
+        if not held.any() or (
+                float(np.std(np.abs(force[held]))) > _LEVEL * one.force_noise + _SLOPE * limit):
+            return False
+        swing = np.hypot(model.stiffness * np.std(o.x[held]), model.damping * np.std(o.v[held]))
+        up, most = np.count_nonzero(force[held] > 0.0), np.count_nonzero(held)
+        return bool(swing > one.force_noise
+                    and min(up, most - up) <= _MOST_HELD * np.count_nonzero(one.use))
 
 
 class _Counts(NamedTuple):

@@ -37,38 +37,19 @@ class Contact(NamedTuple):
 
 
 class Surfaces(NamedTuple):
-    """
-    The surface of each contact.
+    """The surface of each contact."""
 
-    Attributes
-    ----------
-    contacts : tuple of Contact
-        Those that begin in the recordings.
-    fitted : ndarray, shape (C,)
-        Where the spring of each contact is unloaded, at the same K_e and B_e in all [m].
-    touched : ndarray, shape (C,)
-        Where the force of each begins [m].
-    blur : float
-        Path within which it begins [m].
-    stiffness, damping : float
-        K_e [N/m] and B_e [N s/m] of all contacts.
-    explained : float
-        Share of the squared misfit of one surface for all contacts.
-    springs : ndarray, shape (C,)
-        K_e of each contact alone [N/m].
-    explained_by_springs : float
-        Share of what is left then that they explain, each with a damping and a mass of its own.
-
-    """
-
-    contacts: tuple[Contact, ...]
+    contacts: tuple[Contact, ...]  # those that begin in the recordings
+    # (C,) where the spring of each contact is unloaded, at the same K_e and B_e in all [m]
     fitted: Array
-    touched: Array
-    blur: float
+    touched: Array  # (C,) where the force of each begins [m]
+    blur: float  # path within which it begins [m]
+    # stiffness, damping: K_e [N/m] and B_e [N s/m] of all contacts
     stiffness: float
     damping: float
-    explained: float
-    springs: Array
+    explained: float  # share of the squared misfit of one surface for all contacts
+    springs: Array  # (C,) K_e of each contact alone [N/m]
+    # share of what is left then that they explain, each with a damping and a mass of its own
     explained_by_springs: float
 
     @property

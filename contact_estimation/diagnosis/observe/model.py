@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .link import link_against_wall
 from .observed import Observed
-from ...parameters.specification import of_valid, specifications
+from .observer import link_against_wall
+from ...parameters.specification import of_valid, own_specifications
 from ...physics import EFFECTS, effects_that_are_on
-from ...physics.contact_effect import ContactEffect
 from ...physics.contact_law import ContactLaw
 from ...physics.effect import Effect
 from ...physics.force_sensor_effect import ForceSensorEffect
@@ -27,28 +26,15 @@ Array = NDArray[np.float64]
 
 _NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
-_OF_SPRING = ('wall_motion', 'clearance')  # families that show through K_e, or a law for it
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
 class Laws(NamedTuple):
-    """
-    The equations of a model.
+    """The equations of a model."""
 
-    Attributes
-    ----------
-    contact : ContactLaw
-        Wall.
-    chain : list of ForceSensorEffect
-        Force sensor, in order of action.
-    robot : RobotLaw
-        Robot.
-
-    """
-
-    contact: ContactLaw
-    chain: list[ForceSensorEffect]
-    robot: RobotLaw
+    contact: ContactLaw  # wall
+    chain: list[ForceSensorEffect]  # force sensor, in order of action
+    robot: RobotLaw  # robot
 
     def at_wall(self, observed: Observed) -> tuple[Array, Array, Array]:
         """Return the motion of what touches the wall."""
@@ -65,31 +51,15 @@ class Laws(NamedTuple):
 
 @dataclass(frozen=True)
 class Model:
-    """
-    Nominal parameters, effects by name, and the values that are fitted.
+    """Nominal parameters, effects by name, and the values that are fitted."""
 
-    Attributes
-    ----------
-    nominal : PlantParameters
-        The source of all values that are not fitted.
-    effects : tuple of str
-        Names.
-    values : tuple of float
-        K_e, B_e, (M_e), then the effects' parameters in order.
-    with_inertia : bool
-        Whether M_e is fitted.
-    excluded : frozenset of str
-        Effects that must not be added: wrong use would look like them.
-    given : tuple of str
-        Effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named.
-
-    """
-
-    nominal: PlantParameters
-    effects: tuple[str, ...]
-    values: tuple[float, ...]
-    with_inertia: bool
+    nominal: PlantParameters  # the source of all values that are not fitted
+    effects: tuple[str, ...]  # names
+    values: tuple[float, ...]  # K_e, B_e, (M_e), then the effects' parameters in order
+    with_inertia: bool  # whether M_e is fitted
+    # effects that must not be added: wrong use would look like them
     excluded: frozenset[str] = frozenset()
+    # effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named
     given: tuple[str, ...] = ()
 
     @classmethod
@@ -101,8 +71,7 @@ class Model:
         with_inertia = wall.inertia > 0.0
         base = (wall.stiffness, wall.damping) + ((wall.inertia,) if with_inertia else ())
         effects = effects_that_are_on(nominal.physics)
-        values = [getattr(effect.values, key)
-                  for effect in effects for key in names_of(effect.name)]
+        values = [value for effect in effects for value in effect.values().values()]
         given = tuple(effect.name for effect in effects)
         return cls(nominal, given, (*base, *values), with_inertia, excluded, given)
 
@@ -124,14 +93,8 @@ class Model:
     def with_effect(self, name: str, values: tuple[float, ...]) -> 'Model':
         """Return the model with one more effect; values beyond their range are brought back."""
         within = (min(max(value, least), most)
-                  for value, (_, least, most) in zip(values, _ranges(name)))
+                  for value, (least, most) in zip(values, _ranges(name)))
         return replace(self, effects=(*self.effects, name), values=(*self.values, *within))
-
-    def with_rescaled_wall(self) -> 'Model':
-        """Return the model with a wall beside which its effects leave the measured force."""
-        scale = self._wall_scale(np.array(self.values))
-        wall = [scale * value for value in self.base_values]
-        return self.at([*wall, *self.values[self.base_count:]])
 
     def without(self, *names: str) -> 'Model':
         """Return the model without some of its effects."""
@@ -149,9 +112,10 @@ class Model:
         """Return the place of an effect's parameters in `values`."""
         return _places(self.effects, self.base_count)[name]
 
-    def parameters_of(self, name: str) -> Any:
-        """Return the `Parameters` of an effect with their values."""
-        return EFFECTS[name].Parameters(*self.values[self.place(name)])
+    def effect(self, name: str) -> Effect:
+        """Return an effect with its values."""
+        made = of_valid(EFFECTS[name], self.values[self.place(name)])
+        return made.with_sign(self.nominal.sign_velocity)
 
     def with_free(self, coordinates: Array) -> 'Model':
         """Return the model at other `coordinates`; values that are not free stay."""
@@ -159,41 +123,18 @@ class Model:
         every[self.free] = coordinates
         logarithms = np.minimum(every[self.logarithmic], _LARGEST_LOGARITHM)
         every[self.logarithmic] = np.exp(logarithms)
-        every[self._rescaled] *= self._wall_scale(every)
         return self.at(every)
 
     def _of_free(self, values: Array) -> Array:
         """Convert values to coordinates of the free ones."""
         logarithms = np.log(np.maximum(np.abs(values), _LEAST_MAGNITUDE))
         every = np.where(self.logarithmic, logarithms, values)
-        every[self._rescaled] /= self._wall_scale(np.array(self.values))
         return np.asarray(every[self.free])
 
     @property
     def coordinates(self) -> Array:
-        """
-        Return the unknowns of a search: the free values, some as logarithms.
-
-        Those of the wall are what the measured force tells, see `Effect.wall_scale`: a valley of
-        equal forces is straight then, and the motion alone decides where in it the optimum is.
-        """
+        """Return the unknowns of a search: the free values, some as logarithms."""
         return self._of_free(np.array(self.values))
-
-    @cached_property
-    def _rescaled(self) -> NDArray[np.bool_]:
-        """Which of all values an effect of the sensor scales: those of the wall, or none."""
-        wall = np.arange(len(self.values)) < self.base_count
-        return np.asarray(wall & self.free & any(
-            EFFECTS[name].rescales_wall for name in self.effects))
-
-    def _wall_scale(self, values: Array) -> float:
-        """Return the product of the effects' `wall_scale`."""
-        scale = 1.0
-        for name in self.effects:
-            if EFFECTS[name].rescales_wall:
-                own = of_valid(EFFECTS[name].Parameters, values[self.place(name)].tolist())
-                scale *= EFFECTS[name].wall_scale(own)
-        return scale
 
     @property
     def ranges(self) -> tuple[Array, Array]:
@@ -225,9 +166,9 @@ class Model:
     @cached_property
     def logarithmic(self) -> NDArray[np.bool_]:
         """Which of all values are searched on a logarithmic scale."""
-        names = [name in EFFECTS[effect].in_logarithm
-                 for effect in self.effects for name in names_of(effect)]
-        return np.array([False] * self.base_count + names)
+        own = [spec.logarithmic for effect in self.effects
+               for spec in own_specifications(EFFECTS[effect])]
+        return np.array([False] * self.base_count + own)
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
@@ -251,42 +192,23 @@ class Model:
         low = [-np.inf if drives else 0.0, 0.0, 1e-3 * wall.inertia][:self.base_count]
         high = [np.inf] * self.base_count
         for effect in self.effects:
-            for _, minimum, maximum in _ranges(effect):
+            for minimum, maximum in _ranges(effect):
                 low.append(minimum)
                 high.append(maximum)
         return np.array(low), np.array(high)
 
     def made_effects(self) -> list[Effect]:
         """Construct the effects with their values, in the order of the registry."""
-        found = {}
-        for name in self.effects:
-            cls = EFFECTS[name]
-            found[name] = cls(of_valid(cls.Parameters, self.values[self.place(name)]))
-            found[name].sign_velocity = self.nominal.sign_velocity
-        return [found[name] for name in EFFECTS if name in found]
+        return [self.effect(name) for name in EFFECTS if name in self.effects]
 
     def plausible(self) -> bool:
-        """Return whether the values of each effect are physically plausible together."""
-        return all(map(self.is_plausible, self.effects))
-
-    def is_plausible(self, name: str) -> bool:
-        """Return whether the values of one effect are physically plausible together."""
-        cls = EFFECTS[name]
-        values = self.parameters_of(name)
-        if cls.family in _OF_SPRING and self._lost_its_spring():
-            return False
-        slow = cls.resolved_speed and getattr(values, cls.resolved_speed)
-        if slow and slow <= self.nominal.sign_velocity:
-            return False
-        return cls.plausible(values) and not cls.drives(values, self.stiffness, self.damping)
-
-    def _lost_its_spring(self) -> bool:
-        """Return whether an attached wall is fitted without K_e, nor a law in its place."""
-        return not self.nominal.environment.unilateral and bool(self.free[0] and self.at_end[0])
+        """Return whether the values of each effect are physically possible together."""
+        return all(self.effect(name).is_possible(self.stiffness, self.damping)
+                   for name in self.effects)
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
-        return EFFECTS[name].is_flexible(self.parameters_of(name), duration)
+        return self.effect(name).is_flexible(duration)
 
     def laws(self) -> Laws:
         """Return the equations."""
@@ -313,16 +235,12 @@ class Model:
                   for name in self.effects if EFFECTS[name].port in ports]
         return self.nominal, *values
 
-    def _replaces(self, flag: str) -> bool:
-        contact = (EFFECTS[name] for name in self.effects)
-        return any(issubclass(c, ContactEffect) and getattr(c, flag) for c in contact)
-
     @cached_property
     def free(self) -> NDArray[np.bool_]:
         """Which values are fitted: not K_e or B_e if an effect replaces them."""
         free = np.ones(len(self.values), bool)
-        free[0] = not self._replaces('replaces_stiffness')
-        free[1] = not self._replaces('replaces_damping')
+        changed = set[str]().union(*(EFFECTS[name].changes for name in self.effects))
+        free[:2] = 'spring' not in changed, 'damper' not in changed
         return free
 
 
@@ -336,15 +254,13 @@ def _places(effects: tuple[str, ...], first: int) -> dict[str, slice]:
 
 
 @lru_cache(maxsize=None)
-def _ranges(effect: str) -> tuple[tuple[str, float, float], ...]:
-    """List an effect's parameters with their ranges; cached, since every search step asks."""
-    return tuple(
-        (spec.name, -np.inf if spec.minimum is None else spec.minimum,
-         np.inf if spec.maximum is None else spec.maximum)
-        for spec in specifications(EFFECTS[effect].Parameters)
-    )
+def _ranges(effect: str) -> tuple[tuple[float, float], ...]:
+    """List the ranges of an effect's parameters; cached, since every search step asks."""
+    return tuple((-np.inf if spec.minimum is None else spec.minimum,
+                  np.inf if spec.maximum is None else spec.maximum)
+                 for spec in own_specifications(EFFECTS[effect]))
 
 
 def names_of(effect: str) -> list[str]:
     """List an effect's parameters."""
-    return [name for name, _, _ in _ranges(effect)]
+    return [spec.name for spec in own_specifications(EFFECTS[effect])]

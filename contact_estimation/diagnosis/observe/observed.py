@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import OBSERVER_CUTOFF, run
 from .signals import check_signals, Signals
 from .smoothing import (
-    cycle_frequency, differentiate, pace_of, rate_noise, slower_by_force, smooth, smooth_enough,
-    STEADY_CUTOFFS_HZ, white_noise_std)
+    differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
+    rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
 from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
@@ -35,72 +34,37 @@ _NEARLY_ALL = 0.75  # of the samples: else the positions have a rate of their ow
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """
-    A recording on an even grid.
+    """A recording on an even grid."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (N,)
-        Time from the first wrench stamp of the recording [s], evenly spaced.
-    h : float
-        Sample period [s].
-    force : ndarray, shape (N,)
-        Measured F_e [N]; straight lines over dropped samples.
-    measured : ndarray of bool, shape (N,)
-        Where a force was measured.
-    raw_position : ndarray, shape (N,)
-        Measured x [m]; smoothed at dropped samples.
-    x, v, a : ndarray, shape (N,)
-        Smoothed position [m] and its derivatives [m/s], [m/s^2].
-    reference : ndarray, shape (4, N), or None
-        x_r [m], its derivatives, F_r [N], straight between samples; None without a robot.
-    position_noise : float
-        Standard deviation [m].
-    jitter : float
-        Standard deviation of the stamps of the positions from an even grid [s].
-    cutoff : float
-        Of the smoothing [Hz].
-    between : str
-        Course of the force that drives a wall between its samples, see `BETWEEN`.
-    sampled : ndarray of bool, shape (N,), or None
-        Where a position was measured; None for nearly everywhere.
-    motion_error : ndarray, shape (2, N), or None
-        Standard deviations of x [m] and v [m/s] where they matter, see `motion_error`.
-    command_error : ndarray, shape (N,), or None
-        Error of the robot's control force by straight lines between the samples of a reference
-        that is slower than the wrenches [N]; None for one that is not.
-    held : ndarray of bool, shape (N,), or None
-        Where a drive is held at rest, which does not count; None if that counts too.
-
-    """
-
-    t: Array
-    h: float
-    force: Array
-    measured: Flags
-    raw_position: Array
+    t: Array  # (N,) time from the first wrench stamp of the recording [s], evenly spaced
+    h: float  # sample period [s]
+    force: Array  # (N,) measured F_e [N]; straight lines over dropped samples
+    measured: Flags  # (N,) where a force was measured
+    raw_position: Array  # (N,) measured x [m]; smoothed at dropped samples
+    # x, v, a (N,): smoothed position [m] and its derivatives [m/s], [m/s^2]
     x: Array
     v: Array
     a: Array
+    # (4, N) x_r [m], its derivatives, F_r [N], straight between samples; None without a robot
     reference: Array | None
-    position_noise: float
-    cutoff: float
-    jitter: float = 0.0
+    position_noise: float  # standard deviation [m]
+    cutoff: float  # of the smoothing [Hz]
+    jitter: float = 0.0  # standard deviation of the stamps of the positions from an even grid [s]
+    # course of the force that drives a wall between its samples, see `BETWEEN`
     between: str = 'straight'
-    sampled: Flags | None = None
+    sampled: Flags | None = None  # (N,) where a position was measured; None for nearly everywhere
+    # (2, N) standard deviations of x [m] and v [m/s] where they matter, see `motion_error`
     motion_error: Array | None = None
+    # (N,) error of the robot's control force by straight lines between the samples of a reference
+    # that is slower than the wrenches [N]; None for one that is not
     command_error: Array | None = None
+    # (N,) where a drive is held at rest, which does not count; None if that counts too
     held: Flags | None = None
 
     @cached_property
     def pace(self) -> float:
         """Factor on all times, see `pace_of`."""
         return pace_of(self.h, float(self.t[-1] - self.t[0]))
-
-    @cached_property
-    def cycle(self) -> float:
-        """Frequency of a cyclic motion [Hz], see `cycle_frequency`."""
-        return cycle_frequency(self.t, self.x)
 
     @property
     def start(self) -> Flags:

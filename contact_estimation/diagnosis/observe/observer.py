@@ -6,11 +6,12 @@ Motion of second-order dynamics under a force, and the innovations of an observe
 
 A model's misfit in position, run free, keeps every error for as long as the dynamics remember it.
 The innovations x - x_predicted of an observer with cut-off omega_o forget it after 1 / omega_o,
-and are white if the model is correct.
+and are white if the model is correct. Behind an elastic joint the link moves on its own.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import exp
 from typing import Sequence
 
@@ -18,7 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import freqz, lfilter
 
-from ...physics.numeric import SecondOrder
+from ...physics.contact_law import ContactLaw
+from ...physics.numeric import discretise, Flags, SecondOrder, stretches
+from ...physics.robot_effect import Joint
+from ...physics.robot_law import RobotLaw
 
 Array = NDArray[np.float64]
 
@@ -122,3 +126,119 @@ def innovation_std(
     averaged = freqz(np.full(block, block**-0.5), [1.0], worN=_FREQUENCIES)[1] * c
     spectrum = (force_noise * np.abs(b)) ** 2 + (position_noise * np.abs(a)) ** 2
     return float(np.sqrt(np.mean(spectrum * np.abs(averaged) ** 2)))
+
+
+def at_touch_down(force: Array, d: Array) -> Array:
+    """
+    Keep the impulse of a force that begins between two samples.
+
+    The force straight between samples would begin at the sample before touch-down. Its value
+    there is set so that the area under the two lines that meet there is that of the true force.
+    """
+    inside = d > 0.0
+    begins = np.flatnonzero(inside[1:] > inside[:-1])
+    begins = begins[force[begins] == 0.0]
+    d_0, d_1 = d[begins], d[begins + 1]
+    share = d_1 / (d_1 - d_0)  # of the step that is spent in contact
+    changed = force.copy()
+    # The damper's part is there at once, the spring's grows from 0; the measured force at the
+    # first sample is nearly all damper.
+    changed[begins] = force[begins + 1] * (share - 0.5)
+    return changed
+
+
+def link_motion(
+    joint: Joint, x: Array, v: Array, a: Array, force: Array, h: float, bent: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """
+    Compute the motion of the link from that of the motor and the force at the wall.
+
+    z = y - x obeys m z'' + c z' + z / C = F_e - m x'': of a stiff joint it vanishes, however
+    coarse the samples.
+    """
+    push, start = force - joint.mass * a, joint.compliance * bent
+    system = discretise(joint.mass, joint.damping, joint.stiffness, h)
+    z = run(system, push, start, joint.stiffness)
+    rate = run_velocity(system, push, start, joint.stiffness)
+    return x + z, v + rate, (force - joint.force(z, rate)) / joint.mass
+
+
+def link_against_wall(
+    joint: Joint, law: ContactLaw, t: Array, x: Array, v: Array, a: Array, force: Array
+) -> tuple[Array, Array, Array]:
+    """
+    Compute the motion of the link from that of the motor alone.
+
+    The link under the measured force would follow its noise. One Newton step from there solves
+    m y'' = (x - y) / C + c (x' - y') + F_e(y, y') for a wall of K_e and B_e while it is touched.
+    """
+    h = float(t[1] - t[0])
+    begins = float(force[0]) if law.contact(t, x, v)[0] else 0.0  # else it is noise
+    y, w, b = link_motion(joint, x, v, a, force, h, begins)
+    expected, d = law.force_and_depth(t, y, w, b)
+    touching = d > 0.0 if law.unilateral else np.ones(len(d), bool)
+    if law.unilateral:
+        expected = at_touch_down(expected, d)
+    moved, rate = _deflection(joint, law, touching, expected - force, h)
+    y, w = y + moved, w + rate
+    return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, b)) / joint.mass
+
+
+def _deflection(
+    joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float
+) -> Array:
+    """Simulate a link on its joint, and on the wall's spring while it touches; shape (2, N)."""
+    motion = np.zeros((2, len(push)))
+    for first, stop in stretches(touching):
+        on, begin = float(touching[first]), max(first - 1, 0)
+        m, c, k = (own + on * wall for own, wall in zip(
+            (joint.mass, joint.damping, joint.stiffness),
+            (law.inertia, law.damping, law.stiffness)))
+        motion[:, begin:stop] = run_from(
+            discretise(m, c, k, h), push[begin:stop], motion[:, begin])
+    return motion
+
+
+def run_jointed(robot: RobotLaw, push: Array, force: Array, position: float, h: float) -> Array:
+    """Simulate motor and link from rest."""
+    assert robot.joint is not None
+    modes = _modes(robot.mass, robot.damping, robot.stiffness, robot.joint, h)
+    pushes = (push - robot.stiffness * position, force)
+    moved = [lfilter(row, poles, one) for rows, poles in modes for row, one in zip(rows, pushes)]
+    return position + np.asarray(sum(moved))
+
+
+@lru_cache(maxsize=64)
+def _modes(
+    mass: float, damping: float, stiffness: float, joint: Joint, h: float
+) -> list[tuple[tuple[Array, Array], Array]]:
+    """
+    Return the filters from both forces to x, mode by mode.
+
+    One filter of fourth order loses all digits at high rates. Partial fractions in s leave two
+    of second order, alpha s + beta over a quadratic each.
+    """
+    m, c, k, motor = joint.mass, joint.damping, joint.stiffness, mass - joint.mass
+    det = np.polysub(np.polymul([motor, damping + c, stiffness + k], [m, c, k]),
+                     np.polymul([c, k], [c, k]))
+    quadratics = _quadratics(det)
+    columns = [np.convolve(power, other)  # s and 1 times the other's quadratic
+               for other in quadratics[::-1] for power in ([1.0, 0.0], [0.0, 1.0])]
+    wanted = np.array([[0.0, m, c, k], [0.0, 0.0, c, k]]) / det[0]
+    weights = np.linalg.solve(np.array(columns).T, wanted.T)
+    modes = []
+    for place, quadratic in enumerate(quadratics):
+        system = discretise(1.0, quadratic[1], quadratic[2], h)
+        alpha, beta = weights[2 * place:2 * place + 2]
+        rows = tuple(a * system.velocity + b * system.position for a, b in zip(alpha, beta))
+        modes.append(((rows[0], rows[1]), system.denominator))
+    return modes
+
+
+def _quadratics(quartic: Array) -> list[Array]:
+    """Factor a real polynomial into two of second order, s^2 first."""
+    roots = np.roots(quartic)
+    pairs = [(root, root.conjugate()) for root in roots if root.imag > 0.0]
+    real = sorted(root.real for root in roots if root.imag == 0.0)
+    pairs += zip(real[::2], real[1::2])
+    return [np.array([1.0, -(a + b).real, (a * b).real]) for a, b in pairs]

@@ -13,11 +13,11 @@ from typing import Any, Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .channel import Channel, Discount, sum_blocks
-from .episodes import HeldOut, hold_out, require_contact
+from .channel import (
+    Channel, Discount, force_error, force_noise, innovation_error, motion_noise, sum_blocks)
 from .model import Model
-from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed
+from .parts import HeldOut, hold_out, require_contact
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
 from ...physics.numeric import SecondOrder
@@ -50,65 +50,41 @@ class Latest:
 
 @dataclass(frozen=True, eq=False)
 class PreparedRecording:
-    """
-    All inputs of the residuals except the model, see `residuals`.
+    """All inputs of the residuals except the model, see `residuals`."""
 
-    Attributes
-    ----------
-    name : str
-        That of the recording.
-    observed : Observed
-        Force and motion on an even grid.
-    force_noise, motion_noise : float
-        Standard deviations of the errors of a correct model, a sample [N], [m].
-    use : ndarray of bool, shape (N,)
-        Samples that count.
-    block : int
-        Samples averaged to one residual.
-    held_out : HeldOut or None
-        The part excluded from fitting; None where all is fitted.
-    dropped : ndarray of bool, shape (N,), or None
-        Samples at which the force vanished during contact, see `force_drops`. A model without an
-        effect that releases the contact is charged for each of them.
-    observer : SecondOrder or None
-        Robot dynamics that whiten the motion: the nominal ones for all models, or their residuals
-        could not be compared. None without a robot.
-    discount : Discount or None
-        Directions weighed down for model uncertainty; None as long as they are not known.
-    force_discrepancy, motion_discrepancy : float
-        Standard deviations of what no law explains [N], [m], see `with_discrepancy`.
-    widening : float
-        Factor by which the discrepancy of a wall that a force drives exceeds the force noise.
-    picard_rounds : int
-        Of Picard's iteration for a wall without a robot; 1: effects at the measured motion.
-    force_error, motion_error : ndarray, shape (N,), or None
-        Standard deviations of the predictions of a correct model from a motion that is coarse in
-        time or position [N], [m]; None where they are negligible.
-    walls, robots : Latest
-        What the latest models expect at the wall, and the innovations without one.
-    fits : Latest
-        The latest fits to this recording and others, see `fit`.
-
-    """
-
-    name: str
-    observed: Observed
+    name: str  # that of the recording
+    observed: Observed  # force and motion on an even grid
+    # force_noise, motion_noise: standard deviations of the errors of a correct model, a sample
+    # [N], [m]
     force_noise: float
     motion_noise: float
-    use: Flags
-    block: int
-    held_out: HeldOut | None = None
+    use: Flags  # (N,) samples that count
+    block: int  # samples averaged to one residual
+    held_out: HeldOut | None = None  # the part excluded from fitting; None where all is fitted
+    # (N,) samples at which the force vanished during contact, see `force_drops`. A model without
+    # an effect that releases the contact is charged for each of them
     dropped: Flags | None = None
+    # robot dynamics that whiten the motion: the nominal ones for all models, or their residuals
+    # could not be compared. None without a robot
     observer: SecondOrder | None = None
+    # directions weighed down for model uncertainty; None as long as they are not known
     discount: Discount | None = None
+    # force_discrepancy, motion_discrepancy: standard deviations of what no law explains [N], [m],
+    # see `with_discrepancy`
     force_discrepancy: float = 0.0
     motion_discrepancy: float = 0.0
+    # factor by which the discrepancy of a wall that a force drives exceeds the force noise
     widening: float = 1.0
+    # of Picard's iteration for a wall without a robot; 1: effects at the measured motion
     picard_rounds: int = 1
+    # force_error, motion_error (N,): standard deviations of the predictions of a correct model
+    # from a motion that is coarse in time or position [N], [m]; None where they are negligible
     force_error: Array | None = None
     motion_error: Array | None = None
+    # walls, robots: what the latest models expect at the wall, and the innovations without one
     walls: Latest = field(default_factory=Latest, init=False, repr=False)
     robots: Latest = field(default_factory=Latest, init=False, repr=False)
+    # the latest fits to this recording and others, see `fit`
     fits: Latest = field(default_factory=Latest, init=False, repr=False)
 
     @classmethod

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
-from .link import at_touch_down, run_jointed
 from .model import Laws, Model
-from .observer import innovations, innovations_of, run
+from .observer import at_touch_down, innovations, innovations_of, run, run_jointed
 from .prepared_recording import PreparedRecording
 from ...physics.numeric import discretise
 from ...physics.robot_law import RobotLaw
@@ -29,8 +28,6 @@ Array = NDArray[np.float64]
 
 ROBUST = 5.0
 """Standard deviations beyond which residuals count linearly (Huber 1964)."""
-
-_DROP = 5.0  # standard deviations: the charge for a sample at which the force vanished
 
 
 def residuals(
@@ -44,7 +41,7 @@ def residuals(
     else:
         stacked = _of_channels(recording, model, laws)
     if recording.dropped is not None and not any(e.lets_go for e in laws.contact.effects):
-        charge = _DROP * np.sqrt(sum_blocks(recording.dropped.astype(float), recording.block))
+        charge = ROBUST * np.sqrt(sum_blocks(recording.dropped.astype(float), recording.block))
         stacked[:len(charge)] = np.hypot(stacked[:len(charge)], charge)
     if recording.discount is not None:
         stacked = recording.discount.apply(stacked)

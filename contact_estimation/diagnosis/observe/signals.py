@@ -1,20 +1,28 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""A recording and its signals, each with stamps of its own."""
+"""A recording and its signals, each with stamps of its own, and how they are read."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from os import PathLike
+from pathlib import Path
+from typing import Any, Mapping, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...exceptions import RecordingError
+from ...exceptions import RecordingError, UnknownNameError
+from ...messages import FORCE_OF_AXIS
+from ...parameters.values import build
+from ...pipeline.parameters import EstimationParameters
+from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
+from ...recordings import RecordingReader
 from ...recordings.free_flight import Tare
 from ...recordings.recorded_signals import RecordedSignals
-
+from ...recordings.source import RecordingSource
+from ...texts import printable
 
 Array = NDArray[np.float64]
 
@@ -23,58 +31,29 @@ _ABSURD = 1e30  # in any unit
 
 
 class Signals(NamedTuple):
-    """
-    The content of a recording; times are counted from the first wrench [s].
+    """The content of a recording; times are counted from the first wrench [s]."""
 
-    Attributes
-    ----------
-    wrench_t, force : ndarray, shape (N,)
-        Measured F_e [N].
-    joint_t, position : ndarray, shape (J,)
-        x [m].
-    reference_t : ndarray, shape (R,)
-        Empty without a reference trajectory.
-    reference : ndarray, shape (4, R)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN.
-
-    """
-
+    # wrench_t, force (N,): measured F_e [N]
     wrench_t: Array
     force: Array
+    # joint_t, position (J,): x [m]
     joint_t: Array
     position: Array
-    reference_t: Array
-    reference: Array
+    reference_t: Array  # (R,) empty without a reference trajectory
+    reference: Array  # (4, R) x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """
-    A recording to be diagnosed.
+    """A recording to be diagnosed."""
 
-    Attributes
-    ----------
-    name : str
-        For texts.
-    signals : Signals
-        As recorded.
-    stamps_back_s : float
-        By how much a stamp lay before that of an earlier message, at most [s].
-    damage : str
-        What of the file could not be read; '' if all was.
-    rests_count : bool
-        Whether the stretches count in which a drive is held at rest.
-    tare : Tare or None
-        What was subtracted from the force.
-
-    """
-
-    name: str
-    signals: Signals
+    name: str  # for texts
+    signals: Signals  # as recorded
+    # by how much a stamp lay before that of an earlier message, at most [s]
     stamps_back_s: float = 0.0
-    damage: str = ''
-    rests_count: bool = True
-    tare: Tare | None = None
+    damage: str = ''  # what of the file could not be read; '' if all was
+    rests_count: bool = True  # whether the stretches count in which a drive is held at rest
+    tare: Tare | None = None  # what was subtracted from the force
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
@@ -172,3 +151,61 @@ def with_reference_rates(recording: Recording) -> Recording:
     rate = np.gradient(x_r, s.reference_t)
     rows = np.array([x_r, rate, np.gradient(rate, s.reference_t), F_r])
     return Recording(recording.name, s._replace(reference=rows))
+
+
+def read_recording(
+    path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
+    joint: str = '', parameters: Mapping[str, Any] | None = None,
+    most_samples: int | None = None, **reading: Any,
+) -> Recording:
+    """
+    Read the signals of a recording.
+
+    Parameters
+    ----------
+    path : str or path-like
+        An `.mcap` file, a rosbag2 folder, or a CSV, Parquet or MAT file.
+    topics : mapping of str to str, optional
+        Recorded topic names by 'wrench', 'joint_states' and 'reference_trajectory'. A topic that
+        is not given has that name.
+    axis : {'x', 'y', 'z'}
+        Force axis of the wrench.
+    joint : str
+        Joint of the contact axis; '' if the recording has only one.
+    parameters : mapping, optional
+        Parameters of `estimator_node` by dotted name, of which those of an arm and its tool and of
+        the force's sign are used; they take precedence over recorded ones.
+    most_samples : int, optional
+        Number of wrenches after which reading stops, a bound of the memory; all by default.
+    **reading
+        Further attributes of `RecordingSource`, such as columns={'t': 'time'}, units=('mm',).
+
+    Returns
+    -------
+    recording : Recording
+        Name and signals, time in seconds from the first wrench.
+
+    Raises
+    ------
+    RecordingError
+        If the recording cannot be read or lacks wrenches or joint states.
+    UnknownNameError
+        If `axis` or a key of `topics` is unknown.
+
+    """
+    if axis not in FORCE_OF_AXIS:
+        raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
+    source = RecordingSource.of_topics(topics or {}, **reading)
+    reader = RecordingReader(str(path), source)
+    arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
+    signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
+    back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
+    return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
+                     _damage(reader), tare=signals.tare)
+
+
+def _damage(reader: RecordingReader) -> str:
+    """Say what of a file could not be read; '' if all was."""
+    if reader.damaged_chunks:
+        return f'{reader.damaged_chunks} stretch(es) of it cannot be read'
+    return 'it ends within its data' if reader.truncated else ''

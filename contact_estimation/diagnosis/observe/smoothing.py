@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Smooth motion from noisy positions, with the least bandwidth that leaves only noise."""
+"""Smooth motion from noisy positions, by the least bandwidth that leaves noise; its errors."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
-from scipy.optimize import minimize_scalar
+from scipy.ndimage import maximum_filter1d
 from scipy.signal import welch
-
 
 Array = NDArray[np.float64]
 
@@ -28,16 +27,9 @@ _FELT = 10.0  # times the noise of the force
 
 
 class Derivatives(NamedTuple):
-    """
-    A smooth signal with its derivatives.
+    """A smooth signal with its derivatives."""
 
-    Attributes
-    ----------
-    value, rate, acceleration : ndarray, shape (N,)
-        In the signal's unit, per second, per second squared.
-
-    """
-
+    # value, rate, acceleration (N,): in the signal's unit, per second, per second squared
     value: Array
     rate: Array
     acceleration: Array
@@ -120,12 +112,6 @@ def slower_by_force(
 _FASTEST_S, _SLOWEST_S = 0.9e-3, 1.1e-2  # sample periods between which the pace is 1
 _SHORT_S = 2.0  # duration below which times shrink
 
-_SAMPLES = 2000  # that tell it, at most
-_HARMONICS = 5
-_LEAST_CYCLES = 4
-_LEFT = 0.05  # of the variance of the motion, that no harmonic explains
-_EXACTLY = 0.15  # of the resolution of the recording, 1 / duration
-
 
 def pace_of(h: float, duration: float) -> float:
     """
@@ -144,28 +130,100 @@ def is_slow(h: float) -> bool:
     return h > _SLOWEST_S
 
 
-def cycle_frequency(t: Array, x: Array) -> float:
-    """Measure the frequency at which a motion repeats itself."""
-    step = -(-len(t) // _SAMPLES)
-    t, x = t[::step], x[::step] - np.mean(x[::step])
-    duration = float(t[-1] - t[0])
-    spectrum = np.abs(np.fft.rfft(x * np.hanning(len(x)))[1:])
-    peak = (1.0 + float(np.argmax(spectrum))) * (len(t) - 1.0) / len(t) / duration
-    variance = float(x @ x)
-    if peak * duration < _LEAST_CYCLES - 0.5 or not variance:
+_WHOLE = 0.02  # of a step: largest deviation of quantised values from whole steps
+_COMMON, _NEARLY_ALL = 0.05, 0.97  # of the changes
+_RESTS = 0.5  # of the samples
+_MOST_STEPS = 1_000_000  # in the range of a signal; finer ones are rounded numbers
+_RARELY = 3.5  # standard deviations
+_BESIDE = 5  # samples: reach of an error of differentiation
+
+
+def quantisation_step(values: Array) -> float:
+    """Find the resolution of a signal."""
+    return max(_of_levels(values), _of_changes(values))
+
+
+def _of_changes(values: Array) -> float:
+    """
+    Return the step of which nearly all changes are multiples: a single shift does not count.
+
+    The signal must rest between its steps, or constant speed would look like one.
+    """
+    changes = np.abs(np.diff(values))
+    rests = changes == 0.0
+    if np.mean(rests) < _RESTS or rests.all():
         return 0.0
+    changes = changes[~rests]
+    size = np.median(changes)
+    steps, counts = np.unique(np.round(changes / size, 3), return_counts=True)
+    common = steps[counts >= _COMMON * len(changes)] * size
+    if len(common) == 0 or common[0] == 0.0:
+        return 0.0
+    multiples = changes / common[0]
+    whole = np.abs(multiples - np.round(multiples)) < _WHOLE
+    return float(common[0]) if np.mean(whole) > _NEARLY_ALL else 0.0
 
-    def left(frequency: float) -> float:
-        angles = 2.0 * pi * frequency * np.multiply.outer(np.arange(1, _HARMONICS + 1), t)
-        tones = np.vstack((np.ones(len(t)), np.cos(angles), np.sin(angles))).T
-        return float(np.sum((x - tones @ np.linalg.lstsq(tones, x, rcond=None)[0]) ** 2))
 
-    best = minimize_scalar(left, method='bounded', options={'xatol': 1e-3 / duration},
-                           bounds=(peak - 1.0 / duration, peak + 1.0 / duration))
-    return float(best.x) if best.fun < _LEFT * variance else 0.0
+def _of_levels(values: Array) -> float:
+    """Return the step of which all differences are multiples."""
+    levels = np.unique(values)
+    if len(levels) < 2:
+        return 0.0
+    steps = np.diff(levels)
+    span = float(levels[-1] - levels[0])
+    step = float(np.min(steps[steps > span / _MOST_STEPS], initial=np.inf))
+    if not np.isfinite(step):
+        return 0.0
+    counts = (levels - levels[0]) / step
+    # The least difference is slightly off by rounding: fit it to the whole range.
+    step = span / max(1.0, float(np.round(counts[-1])))
+    counts = (levels - levels[0]) / step
+    return step if np.max(np.abs(counts - np.round(counts))) < _WHOLE else 0.0
 
 
-def keeps_step(tones: tuple[float, ...], cycle: float, duration: float) -> bool:
-    """Return whether all tones are multiples of the frequency of a cyclic test."""
-    away = [abs(tone - max(1, round(tone / cycle)) * cycle) for tone in tones if cycle]
-    return bool(away) and max(away) * duration < _EXACTLY
+def motion_error(
+    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float,
+    left: Array | None,
+) -> Array | None:
+    """
+    Estimate the errors of a smoothed motion.
+
+    Between samples far apart the motion is unknown: at half the rate position and velocity would
+    come out differently, and these differences are the errors. A quantised position is off by up
+    to half a step for as long as it rests.
+    """
+    if not is_slow(h) and step == 0.0 and left is None:
+        return None
+    x_error = step / sqrt(12.0)
+    v_error = rate_noise(x_error, cutoff, h)
+    errors = np.tile([[x_error], [v_error]], len(x))
+    if is_slow(h) or left is not None:
+        errors = np.hypot(errors, _lost_between_samples(x, v, h))
+    if left is not None:
+        errors = np.hypot(errors, noise * _lost_by_smoothing(left / noise, h, cutoff))
+    return np.asarray(errors)
+
+
+def _lost_between_samples(x: Array, v: Array, h: float) -> Array:
+    places = np.arange(len(x), dtype=np.float64)
+    half = differentiate(x[::2], 2.0 * h)
+    lost = [0.5 * np.abs(x - np.interp(places, places[::2], half.value)),
+            np.abs(v - np.interp(places, places[::2], half.rate))]
+    return np.asarray(maximum_filter1d(lost, _BESIDE, axis=1))
+
+
+def _lost_by_smoothing(left: Array, h: float, cutoff: float) -> Array:
+    """Return the errors at sharp bends, where smoothing leaves more than noise."""
+    span = max(1, round(0.5 / (cutoff * h)))
+    power = np.convolve(left**2, np.ones(span) / span, mode='same')
+    # Of noise alone the mean power rarely exceeds this.
+    excess = np.maximum(power - 1.0 - _RARELY * sqrt(2.0 / span), 0.0)
+    x_error = maximum_filter1d(np.sqrt(excess), span)
+    return np.asarray([x_error, 2.0 * pi * cutoff * x_error])
+
+
+def lost_by_lines(signal: Array) -> Array:
+    """Estimate how far a signal strays from straight lines between its samples."""
+    bends = np.zeros(len(signal))
+    bends[1:-1] = 0.25 * np.abs(np.diff(signal, 2))
+    return np.asarray(maximum_filter1d(bends, 3))

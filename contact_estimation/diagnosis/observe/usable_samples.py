@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from .model import Model
-from .motion_error import quantisation_step
 from .observed import Observed
 from .signals import LEAST_SAMPLES, Recording
+from .smoothing import quantisation_step
 from ...physics.numeric import stretches
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import isfinite, sqrt
 from typing import Sequence
 
-from ..checks.measures import WORTH_A_NAME
+from ..checks.check import WORTH_A_NAME
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
 from ..conclude.result import Diagnosis, NamedEffect

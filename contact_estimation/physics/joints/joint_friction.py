@@ -10,12 +10,12 @@ from typing import Any, Callable
 import numpy as np
 
 from .joint_effect import JointEffect, JointMotion, Place, positive
-from ..asymmetric_damping import AsymmetricDamping, AsymmetricDampingParameters
-from ..coulomb_friction import CoulombFriction, CoulombFrictionParameters
+from ..asymmetric_damping import AsymmetricDamping
+from ..coulomb_friction import CoulombFriction
 from ..numeric import Array, SIGN_VELOCITY
-from ..presliding_friction import PreslidingFriction, PreslidingFrictionParameters
-from ..quadratic_damping import QuadraticDamping, QuadraticDampingParameters
-from ..stribeck_friction import StribeckFriction, StribeckFrictionParameters
+from ..presliding_friction import PreslidingFriction
+from ..quadratic_damping import QuadraticDamping
+from ..stribeck_friction import StribeckFriction
 
 _SHARP = 0.02  # of the speed of a joint: width of its sgn where a law has another shape
 
@@ -27,8 +27,7 @@ def _law(effect: Any, v: Array, per_speed: Any = 1.0) -> Array:
 
 def sign(v: Array, width: Any) -> Array:
     """Return tanh(v / width), the sgn(v) of the library in the unit of a joint."""
-    unit = CoulombFriction(CoulombFrictionParameters(F_c=1.0))
-    return _law(unit, v, SIGN_VELOCITY / width)
+    return _law(CoulombFriction(1.0), v, SIGN_VELOCITY / width)
 
 
 def _of_speed(*shares: float) -> Callable[[JointMotion, Place], tuple[float, ...]]:
@@ -43,15 +42,15 @@ def _sharp(motion: JointMotion, j: int) -> Array:
 def _stribeck(motion: JointMotion, j: int, v_s: float) -> tuple[Array, Array]:
     """Return the law for F_c = 1 and for F_s = 1 alone."""
     per_speed = SIGN_VELOCITY / (_SHARP * motion.speed[j])
-    first, second = (_law(StribeckFriction(StribeckFrictionParameters(
-        F_c=1.0 - k, F_s=k, v_s=float(v_s * per_speed))), motion.v[:, j], per_speed)
+    first, second = (
+        _law(StribeckFriction(1.0 - k, k, float(v_s * per_speed)), motion.v[:, j], per_speed)
         for k in (0.0, 1.0))
     return first, second
 
 
 def _presliding(motion: JointMotion, j: int, travel: float) -> tuple[Array]:
     """Return Dahl's z for F_c = 1, driven by the position."""
-    law = PreslidingFriction(PreslidingFrictionParameters(F_c=1.0, sigma=1.0 / travel))
+    law = PreslidingFriction(F_c=1.0, sigma=1.0 / travel)
     t = motion.period * np.arange(len(motion.q), dtype=float)
     return (law.states_along(t, motion.q[:, j], motion.v[:, j], np.ones(len(t), bool))[1],)
 
@@ -68,8 +67,8 @@ def _coupled(motion: JointMotion, place: Place, shape: float) -> dict[int, Array
 _DRY: dict[str, Any] = {'family': 'friction', 'group': 'dry_friction', 'possible': positive}
 _VISCOUS: dict[str, Any] = {'family': 'friction', 'group': 'viscous_friction'}
 _B = ('B', 'N m s/rad')
-_QUADRATIC = QuadraticDamping(QuadraticDampingParameters(B_2=1.0))
-_ASYMMETRIC = AsymmetricDamping(AsymmetricDampingParameters(B_a=1.0))
+_QUADRATIC = QuadraticDamping(B_2=1.0)
+_ASYMMETRIC = AsymmetricDamping(B_a=1.0)
 
 FRICTION = (
     # The width: lubricated gears creep.

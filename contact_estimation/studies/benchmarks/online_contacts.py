@@ -14,7 +14,7 @@ from .online_row import (
     AS_TOLD, drawn_depth, drawn_sensor, drawn_wall, end_of_contact, EXACT, in_contact,
     law_families, presses, Row, sample_at, Score, score, spread, told, Trace, UNKNOWN, WITHIN)
 from .online_worlds import bump, simulate, start, World
-from ...physics.drawn_effect import log_uniform
+from ...physics.prior import log_uniform
 
 _ADVICE = {'surface_unchecked'}  # checks that advise where nothing is wrong
 _MEMORIES = 'no effect told', 'force_lag told', 'tool_inertia told'

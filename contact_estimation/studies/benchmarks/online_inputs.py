@@ -14,7 +14,7 @@ from .online_row import (
     BAND, drawn_sensor, drawn_wall, GAP, in_contact, presses, Row, sample_at, Score, score, spread,
     told, Trace, UNKNOWN, WITHIN)
 from .online_worlds import Array, cruise, simulate, start, Stream, World
-from ...physics.drawn_effect import log_uniform
+from ...physics.prior import log_uniform
 
 
 Fault = Callable[[World, float, float, np.random.Generator], World]

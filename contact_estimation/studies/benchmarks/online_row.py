@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .online_worlds import Array, Piece, ramp, Sensor, sines, start, Stream, Wall, World
 from ...estimators.estimate import EstimateStatus
 from ...parameters.values import changed
-from ...physics.drawn_effect import log_uniform
+from ...physics.prior import log_uniform
 from ...pipeline.axes import Result
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.session import ContactSession

@@ -15,7 +15,7 @@ from .online_row import (
     AS_TOLD, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score, settled_instants,
     spread, told, Trace, WITHIN)
 from .online_worlds import Array, ramp, simulate, World
-from ...physics.drawn_effect import log_uniform
+from ...physics.prior import log_uniform
 
 _LAW_AFTER_S = 3.0
 _PRESS = 40.0  # [N]

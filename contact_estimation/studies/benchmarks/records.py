@@ -20,7 +20,7 @@ from ..blind_trials.study import diagnose_command
 from ...commands.command_line import (
     check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
-from ...diagnosis.observe.read_recording import read_recording
+from ...diagnosis.observe.signals import read_recording
 from ...exceptions import RecordingError
 from ...physics import EFFECTS
 

@@ -135,7 +135,7 @@ _STIFF = 0.2  # of the compliance in free motion: what presses with 60 N would m
 
 def _wall_law(kind: str, rng: np.random.Generator) -> dict[str, float]:
     """Return the parameter of a law of the wall."""
-    (name,) = EFFECTS[kind].Parameters.__dataclass_fields__
+    (name,) = EFFECTS[kind].neutral()
     return {f'physics.{kind}.{name}': float(_WALL_LAWS[kind](rng))}
 
 

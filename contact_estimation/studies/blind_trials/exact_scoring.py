@@ -111,7 +111,7 @@ def _percent(estimate: float | None, true: float | None) -> float | None:
 
 
 def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, float]:
-    neutral = EFFECTS[true['name']].neutral
+    neutral = EFFECTS[true['name']].neutral()
     errors = {}
     for name, value in true['parameters'].items():
         distance = value - neutral.get(name, 0.0)

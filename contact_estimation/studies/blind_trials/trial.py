@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from functools import partial
 import json
+import math
 from math import exp, log
 import os
 from pathlib import Path
@@ -25,7 +26,9 @@ from .worlds import (
     scales_of, SensorModel, simulate, TRUTH_HZ)
 from ...messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ...physics import EFFECTS
-from ...physics.drawn_effect import Strength, Values
+from ...physics.contact_effect import ContactEffect
+from ...physics.effect import Need
+from ...physics.prior import Strength, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...recordings import RecordingWriter
 
@@ -33,7 +36,7 @@ from ...recordings import RecordingWriter
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
 """Range of the degree of concealment, log-uniform."""
 
-EFFECTS_OF_A_WALL = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
+EFFECTS_OF_A_WALL = [name for name, cls in EFFECTS.items() if Need.ATTACHMENT not in cls.needs]
 """Effects that the worlds of the trials, in all of which a robot touches a wall, can show."""
 
 _MAX_WORLDS = 25
@@ -108,7 +111,7 @@ def _trial(
 def _conceal(
     effect: str, strength: Strength, world: RandomWorld, without: Run, requested: float
 ) -> Concealed:
-    in_motion, rate = EFFECTS[effect].needs_robot, world.sensors.rate
+    in_motion, rate = Need.ROBOT in EFFECTS[effect].needs, world.sensors.rate
 
     def degree_of(s: float) -> float:
         physics = {f'{effect}.{name}': value for name, value in strength(s).items()}
@@ -134,7 +137,9 @@ def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL
 def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallParameters:
     """Return the spring-damper by which a modeller unaware of the effect replaces the wall."""
     wall = world.wall
-    damping = EFFECTS[effect].equivalent_damping(values, wall.damping, world.depth)
+    made, damping = EFFECTS[effect](**values), wall.damping
+    if isinstance(made, ContactEffect) and 'damper' in made.changes:
+        damping = made.damper(0.5 * world.depth, 1.0, 1.0, math)  # at half the depth
     return WallParameters(
         stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)
 
@@ -149,8 +154,8 @@ def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
         'effects': effects,
         'verdict': 'physics_missing' if effects else clean_verdict,
         'stiffness': (
-            None if getattr(effect, 'replaces_stiffness', False) else world.wall.stiffness),
-        'damping': 0.0 if getattr(effect, 'replaces_damping', False) else world.wall.damping,
+            None if effect and 'spring' in effect.changes else world.wall.stiffness),
+        'damping': 0.0 if effect and 'damper' in effect.changes else world.wall.damping,
         'concealed': _degree(trial, run),
         'force_floor_n': force_floor,
         'experiment': world.experiment.name,
@@ -164,7 +169,8 @@ def _degree(trial: Trial, run: Run) -> float:
         return 1.0
     world = trial.world
     without = simulate(world, {}, world.sensors.rate)
-    return degree(EFFECTS[trial.effect].needs_robot, world, _at_sample_rate(trial, run), without)
+    in_motion = Need.ROBOT in EFFECTS[trial.effect].needs
+    return degree(in_motion, world, _at_sample_rate(trial, run), without)
 
 
 def _at_sample_rate(trial: Trial, run: Run) -> Run:

@@ -16,7 +16,7 @@ from scipy.signal import butter, lfilter
 
 from .experiments import draw_experiment, Stage
 from ...parameters.values import build, flatten
-from ...physics.drawn_effect import log_uniform, Scales, Values
+from ...physics.prior import log_uniform, Scales, Values
 from ...plant.plant_parameters import PlantParameters, RobotParameters, WallParameters
 from ...plant.world import World
 from ...reference.experiment import Experiment

@@ -50,7 +50,7 @@ def _shown(d: Diagnosis) -> dict[str, Any]:
         'parts': {effect.name: figures.plot_parts(effect) for effect in d.effects},
         'descriptions': {
             effect.name: {spec.name: spec.description
-                          for spec in specifications(EFFECTS[effect.name].Parameters)}
+                          for spec in specifications(EFFECTS[effect.name])}
             for effect in d.effects},
         'significant': {name: wording.significant(found) for name, found in tested.items()},
         'plane': figures.plot_plane(data),

@@ -1,20 +1,15 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Starts and random strengths of an effect, from the orders of magnitude of its world."""
+"""Which parameters of an effect are plausible, from the orders of magnitude of its world."""
 
 from __future__ import annotations
 
-from abc import ABC
-from dataclasses import fields
-from math import exp, log, log10
-from typing import Callable, ClassVar, Mapping, NamedTuple
+from math import exp, log, log10, nan
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.random import Generator
-
-from ..parameters.specification import ParameterGroup
-
 
 Values = Mapping[str, float]
 """Parameters of an effect by name."""
@@ -31,6 +26,13 @@ def log_uniform(rng: Generator, low: float, high: float) -> float:
 def random_sign(rng: Generator) -> float:
     """Draw -1 or 1 with equal probability."""
     return float(rng.choice([-1.0, 1.0]))
+
+
+def between(low: float, high: float, share: float) -> float:
+    """Return the number at a share of the way, on a logarithmic scale where both are positive."""
+    if low > 0.0 and high > 0.0:
+        return low * (high / low) ** share
+    return low + share * (high - low)
 
 
 _SHARE = 0.1  # of the force, which an effect may add where there is no spring or no damper
@@ -89,21 +91,15 @@ class Scales(NamedTuple):
         return self.spectrum or ((0.2 / self.pace, complex(0.0, -0.02 * self.force)),)
 
     def time_constants(self) -> list[float]:
-        """
-        Return time constants from that of a sample to that of the recording.
-
-        Returns time_constants: 3 to 9 of them [s], about 1.5 a decade, increasing
-        """
+        """Return 3 to 9 time constants [s], of a sample to that of the recording."""
         least = max(2.0 * self.sample_period, 1e-5 * self.duration)
         return _spread(min(least, 0.1 * self.duration), self.duration, 1.5)
 
     def delays(self) -> list[float]:
         """
-        Return delays from half a sample to a fifth of the pace of the motion, at most 0.1 s.
+        Return 3 to 9 delays [s] from half a sample to a fifth of the pace, at most 0.1 s.
 
         Sensors and buses are no slower, however slow the motion; a start may be three samples.
-
-        Returns delays: 3 to 9 of them [s], about 2.5 a decade, increasing
         """
         most = max(min(0.2 * self.pace, _SLOWEST_S), 3.0 * self.sample_period)
         return _spread(max(0.5 * self.sample_period, 1e-3 * most), most, 2.5)
@@ -115,62 +111,10 @@ def _spread(least: float, most: float, per_decade: float) -> list[float]:
     return [float(value) for value in spread]
 
 
-_LARGEST_OVER_START = 30.0  # of an effect that does not say what is plausible
+class Prior(NamedTuple):
+    """Plausible parameters of an effect."""
 
-
-class DrawnEffect(ABC):
-    """Starts and draws of the parameters of an effect."""
-
-    # all fields are floats; NaN, the default, switches the effect off
-    Parameters: ClassVar[type[ParameterGroup]]
-    # values of parameters at which the effect vanishes, where not 0
-    neutral: ClassVar[Mapping[str, float]] = {}
-    either_sign: ClassVar[bool] = False  # whether the first parameter is drawn with either sign
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """
-        Return the points from which a search for the parameters starts.
-
-        Returns starts: values of all parameters; several where the cost has several local minima
-        """
-        raise NotImplementedError
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """
-        Return the largest plausible magnitude of the first parameter.
-
-        scales: orders of magnitude in the world that the effect acts in
-        """
-        neutral = cls.neutral.get(fields(cls.Parameters)[0].name, 0.0)
-        return neutral + _LARGEST_OVER_START * (cls.starts(scales)[0][0] - neutral)
-
-    @classmethod
-    def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """
-        Draw everything but the magnitude at random.
-
-        By default the first parameter is proportional to the magnitude and the others keep the
-        values of the first start.
-
-        scales: orders of magnitude in the world that the effect acts in
-        Returns strength: from a magnitude, 0 (absent) to 1 (largest plausible), to parameters by
-        name
-        """
-        names = [field.name for field in fields(cls.Parameters)]
-        rest = dict(zip(names[1:], cls.starts(scales)[0][1:]))
-        neutral = cls.neutral.get(names[0], 0.0)
-        most = (cls.largest(scales) - neutral) * (random_sign(rng) if cls.either_sign else 1.0)
-        return lambda s: {names[0]: neutral + s * most, **rest}
-
-    @classmethod
-    def equivalent_damping(cls, values: Values, damping: float, depth: float) -> float:
-        """
-        Return B_e of the spring-damper that a model without the effect would contain.
-
-        damping: B_e of the wall beside the effect [N s/m]
-        depth: largest penetration [m]
-        Returns damping: B_e [N s/m]
-        """
-        return damping
+    # of all parameters, where a search begins: several where the cost has several local minima
+    starts: Sequence[tuple[float, ...]]
+    largest: float = nan  # of the first parameter; NaN: a multiple of that of a start
+    either_sign: bool = False  # whether the first parameter may have either sign
