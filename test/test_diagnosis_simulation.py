@@ -15,8 +15,8 @@ import pytest
 from run_commands import Command
 import yaml
 
-WORLDS = {'plain': {}, 'simulator': {'cubic_stiffness': {'K_3': 2e7}},
-          'real': {'cubic_stiffness': {'K_3': 2e7}, 'coulomb_friction': {'F_c': 6.0}}}
+WORLDS = {'plain': {}, 'simulator': {'cubic_stiffness': {'K_3': 2e6}},
+          'real': {'cubic_stiffness': {'K_3': 2e6}, 'coulomb_friction': {'F_c': 6.0}}}
 
 
 @pytest.fixture(scope='module')

@@ -175,14 +175,23 @@ def diagnose_simulation(
         If a check refuses the recording of the simulator.
 
     """
-    found = diagnose(simulation, start or estimated_model(simulation), seed=seed,
-                     progress=progress)
+    model = start or _with_free_surface(estimated_model(simulation))
+    found = diagnose(replace(simulation, simulated=True), model, seed=seed, progress=progress)
     if found.refused:
         raise RecordingError(
             f'the simulation {simulation.name} cannot be the nominal model: '
             + found.next_experiment)
     model = plant_of(found.corrected)
     return (model if start else _with_surface(model)), found
+
+
+_LITTLE_M = 1e-6  # an offset of 0 would be none
+
+
+def _with_free_surface(model: PlantParameters) -> PlantParameters:
+    """Let the surface be fitted again beside every law: that of the spring alone is off."""
+    offset = replace(model.physics.contact_offset, offset=_LITTLE_M)
+    return replace(model, physics=replace(model.physics, contact_offset=offset))
 
 
 def _with_surface(model: PlantParameters) -> PlantParameters:

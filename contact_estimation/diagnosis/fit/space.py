@@ -188,7 +188,7 @@ class ContactModels:
 
     def _instrument_of(self, one: PreparedRecording) -> Array:
         """Return the mean square of the discrepancy of every instrument, in that of noise."""
-        if one.driven_by_force(self._base.model):
+        if one.simulated or one.driven_by_force(self._base.model):
             return np.zeros(CHANNELS)
         size, noise = CONSTANTS.instrument * one.observed.force_range, self._force_of_noise(one)
         return np.asarray(np.where(noise > 0.0, size**2 / np.maximum(noise, 1e-300), 0.0))

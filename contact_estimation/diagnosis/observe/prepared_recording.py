@@ -61,6 +61,7 @@ class PreparedRecording:
     use: Flags  # (N,) samples that count
     block: int  # samples averaged to one residual
     held_out: HeldOut | None = None  # the part excluded from fitting; None where all is fitted
+    simulated: bool = False  # as of the recording
     # (N,) samples at which the force vanished during contact, see `force_drops`. A model without
     # an effect that releases the contact is charged for each of them
     dropped: Flags | None = None
@@ -223,7 +224,8 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
         observed = replace(observed, held=held_at_rest(model, observed))
     require_contact(model, observed, recording.name)
     held_out = hold_out(model, observed) if hold else None
-    return PreparedRecording.of(recording.name, observed, model, held_out)
+    prepared = PreparedRecording.of(recording.name, observed, model, held_out)
+    return replace(prepared, simulated=recording.simulated)
 
 
 def is_flexible(recordings: Recordings, model: Model, name: str) -> bool:

@@ -54,6 +54,7 @@ class Recording:
     damage: str = ''  # what of the file could not be read; '' if all was
     rests_count: bool = True  # whether the stretches count in which a drive is held at rest
     tare: Tare | None = None  # what was subtracted from the force
+    simulated: bool = False  # whether a simulator wrote it, whose sensors err by noise alone
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
