@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Friction of joints in a robot description, as `diagnose --write-urdf` writes it."""
+"""Friction and rotor inertia of joints in a robot description, as `--write-urdf` writes them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from ..exceptions import ModelFileError
+
+_WRITTEN = ('friction', 'damping', 'armature')  # the last as MuJoCo means it
 
 
 class JointFriction(NamedTuple):
@@ -50,22 +52,26 @@ def joint_friction(path: str | PathLike[str]) -> dict[str, JointFriction]:
 
     """
     try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError, UnicodeDecodeError) as error:
+        drives = joint_drives(Path(path).read_text(encoding='utf-8'))
+    except (OSError, UnicodeDecodeError) as error:
         raise ModelFileError(
             f'{path} must be a URDF file, got: {error}; write one with diagnose --write-urdf'
         ) from error
-    found = {}
-    for joint in root.findall('joint'):
-        dynamics = joint.find('dynamics')
-        if dynamics is None:
-            continue
-        values = JointFriction(*(
-            _number(dynamics.get(key, '0'), f'{Path(path).name}: {key} of {joint.get("name")}')
-            for key in ('friction', 'damping')))
-        if any(values):
-            found[str(joint.get('name'))] = values
-    return found
+    return {name: JointFriction(*one[:2]) for name, one in drives.items() if any(one[:2])}
+
+
+def joint_drives(urdf: str) -> dict[str, tuple[float, ...]]:
+    """Return friction, damping and armature in <dynamics> of each joint of a description."""
+    try:
+        root = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise ModelFileError(
+            f'robot description ({len(urdf)} characters, beginning {urdf[:40]!r}) must be a URDF: '
+            f'{error}; xacro files must be expanded first') from error
+    dynamics = {str(one.get('name')): one.find('dynamics') for one in root.findall('joint')}
+    return {name: tuple(
+        0.0 if own is None else _number(own.get(key, '0'), f'{key} of {name}')
+        for key in _WRITTEN) for name, own in dynamics.items()}
 
 
 def _number(text: str, what: str) -> float:
@@ -74,5 +80,6 @@ def _number(text: str, what: str) -> float:
     except ValueError:
         value = -1.0
     if not (isfinite(value) and value >= 0.0):
-        raise ModelFileError(f'{what} must be a number >= 0, got {text!r}')
+        raise ModelFileError(
+            f'{what} must be a number >= 0, got {text!r}; correct <dynamics> of the description')
     return value
