@@ -151,12 +151,14 @@ class ArmModels:
         mine = frozenset(judge.local)
         rest, here = model - mine, judge.score(mine)
         for _ in range(_STEPS):
-            near = self.neighbours(mine, self._local[j])
-            scores = [judge.score(one) for one in near]
-            if not near or max(scores) <= here:
+            scores = {one: judge.score(one) for one in self.neighbours(mine, self._local[j])}
+            better = sorted((one for one in scores if scores[one] > here), key=lambda one:
+                            -scores[one])
+            # Values may prove impossible once the shared coefficients are fitted, too.
+            found = next((one for one in better if self.score(rest | one) > -np.inf), None)
+            if found is None:
                 break
-            here = max(scores)
-            mine = near[int(np.argmax(scores))]
+            mine, here = found, scores[found]
         return rest | mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
