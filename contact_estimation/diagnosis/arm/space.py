@@ -197,7 +197,7 @@ class ArmModels:
         for term in self._can_add(model, self._shared):
             gain, best = max((self.score(start | {term}) - self.score(start), k)
                              for k, start in enumerate((model, core)))
-            if gain > 0.0:
+            if gain > -_NEAR:  # the laws of the joints are bent to do without it
                 gains.append((gain, (model, core)[best] | {term}))
         gains.sort(key=lambda pair: -pair[0])
         return self._known([self._refined(start) for _, start in gains[:_TRIED]])
