@@ -62,5 +62,5 @@ class Constants(NamedTuple):
 
 CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))
 
-ARM = CONSTANTS._replace(ideal=0.0, exact=0.0)
+ARM = CONSTANTS._replace(ideal=0.0)
 """Those of a whole arm: many laws share the misfit of a joint, so none may leave a share of it."""
