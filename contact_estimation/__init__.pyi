@@ -9,7 +9,7 @@ from .diagnosis.observe.signals import Recording as Recording
 from .estimators import ESTIMATORS as ESTIMATORS
 from .estimators.estimate import Estimate as Estimate
 from .exceptions import ContactEstimationError as ContactEstimationError
-from .kinematics.written_friction import joint_friction as joint_friction
+from .kinematics.description import joint_friction as joint_friction
 from .physics import EFFECTS as EFFECTS
 from .pipeline.axes import Result as Result
 from .pipeline.axis_pipeline import EstimationPipeline as EstimationPipeline

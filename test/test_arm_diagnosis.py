@@ -24,7 +24,7 @@ from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
-from contact_estimation.kinematics.written_friction import joint_friction
+from contact_estimation.kinematics.description import joint_friction
 from contact_estimation.plant.arm_simulation import ArmLaw
 from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np

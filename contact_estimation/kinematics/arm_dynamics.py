@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .description import joint_drives
 from .robot_model import parsed_urdf, pinocchio
-from .written_friction import joint_drives
 from ..exceptions import ModelFileError, UnknownNameError
 
 Array = NDArray[np.float64]

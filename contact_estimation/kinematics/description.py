@@ -1,19 +1,20 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Friction and rotor inertia of joints in a robot description, as `--write-urdf` writes them."""
+"""What a robot description says of its joints, read without Pinocchio."""
 
 from __future__ import annotations
 
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 from xml.etree import ElementTree
 
 from ..exceptions import ModelFileError
 
 _WRITTEN = ('friction', 'damping', 'armature')  # the last as MuJoCo means it
+_TURNING = ('revolute', 'continuous')
 
 
 class JointFriction(NamedTuple):
@@ -83,3 +84,18 @@ def _number(text: str, what: str) -> float:
         raise ModelFileError(
             f'{what} must be a number >= 0, got {text!r}; correct <dynamics> of the description')
     return value
+
+
+def turning_joint(description: str, names: Sequence[str]) -> str:
+    """Return a joint whose positions are angles."""
+    try:
+        root = ElementTree.fromstring(description)
+    except ElementTree.ParseError:
+        return ''
+    kinds = {joint.get('name', ''): joint.get('type', '') for joint in root.iter('joint')
+             if joint.get('type', 'fixed') != 'fixed'}
+    for name in names:
+        looked_at = name or (next(iter(kinds)) if len(kinds) == 1 else '')
+        if kinds.get(looked_at) in _TURNING:
+            return looked_at
+    return ''
