@@ -32,47 +32,22 @@ _SENSED = ('force_gain', 'force_bias', 'force_delay')
 
 @dataclass(frozen=True)
 class ArmLaw:
-    """
-    A law at a place.
+    """A law at a place."""
 
-    Attributes
-    ----------
-    effect : str
-        Key of JOINT_EFFECTS.
-    theta : sequence of float
-        Its coefficients.
-    place : Place
-        Of the kind that the effect has.
-    shape : float
-        Value in which it is not linear.
-
-    """
-
-    effect: str
-    theta: Sequence[float]
-    place: Place = None
-    shape: float = 0.0
+    effect: str  # key of JOINT_EFFECTS
+    theta: Sequence[float]  # its coefficients
+    place: Place = None  # of the kind that the effect has
+    shape: float = 0.0  # value in which it is not linear
 
 
 @dataclass(frozen=True)
 class ArmSensors:
-    """
-    What joint states show of a motion.
+    """What joint states show of a motion."""
 
-    Attributes
-    ----------
-    rate : float
-        [Hz].
-    torque_noise : ndarray, shape (n,)
-        Standard deviation [N m].
-    position_step : float
-        Resolution [rad].
-
-    """
-
-    rate: float = 200.0
+    rate: float = 200.0  # [Hz]
+    # (n,) standard deviation [N m]
     torque_noise: Array = field(default_factory=lambda: np.zeros(1))
-    position_step: float = 0.0
+    position_step: float = 0.0  # resolution [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,10 +125,10 @@ def simulate_arm(
     body = _Body(arm, laws) if impedance is None else _PressingBody(arm, laws, impedance)
     feed = arm.torque(wanted.q, wanted.v, wanted.a)
     times = np.arange(wanted.t[0], wanted.t[-1], STEP_S)
-    q_d, v_d, u_f = (np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
-                     for one in (wanted.q, wanted.v, feed))
-    pushed = np.zeros_like(u_f) if extra is None or callable(extra) else np.stack(
-        [np.interp(times, wanted.t, column) for column in extra.T], axis=1)
+    pushed = np.zeros_like(feed) if extra is None or callable(extra) else extra
+    q_d, v_d, u_f, pushed = (
+        np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
+        for one in (wanted.q, wanted.v, feed, pushed))
     q, v, tau = (np.empty_like(u_f) for _ in range(3))
     wrench = np.zeros((len(times), 6))
     body.start(q_d[0])
@@ -323,15 +298,16 @@ def changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
 def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[JointEffect, Place, Any, Array]]:
     """Evaluate the plain laws of all joints at once."""
     found: list[tuple[JointEffect, Place, Any, Array]] = []
-    for name in ('coulomb_friction', 'viscous_friction'):
+    plain = ('coulomb_friction', 'viscous_friction')
+    for name in plain:
         alike = [law for law in laws if law.effect == name]
         if alike:
             found.append((JOINT_EFFECTS[name], tuple(law.place for law in alike),
                           np.array([law.shape or 1e-3 for law in alike]),
                           np.array([law.theta for law in alike], dtype=float).T))
     return found + [(JOINT_EFFECTS[law.effect], law.place, law.shape,
-                     np.asarray(law.theta, dtype=float))
-                    for law in laws if law.effect not in ('coulomb_friction', 'viscous_friction')]
+                     np.asarray(law.theta, dtype=float)) for law in laws
+                    if law.effect not in plain]
 
 
 def sensed(

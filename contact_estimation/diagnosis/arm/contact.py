@@ -55,4 +55,5 @@ def diagnose_contact(
     found = diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
     return replace(found, effects=[
         replace(one, indistinguishable_from=[*one.indistinguishable_from, COMPLIANCE])
-        if one.family == 'timing' or one.name == 'contact_offset' else one for one in found.effects])
+        if one.family == 'timing' or one.name == 'contact_offset' else one
+        for one in found.effects])
