@@ -54,6 +54,12 @@ class _Arm(NamedTuple):
         span = np.ptp(self.load, axis=0)
         return np.maximum(span, 0.05 * span.max())
 
+    @property
+    def reversing(self) -> Array:
+        """Time in which each joint's load is on its rarer side, times the size."""
+        up = (self.load > 0.0).mean(axis=0)
+        return np.asarray(np.minimum(up, 1.0 - up) * self.size)
+
     def joint(self, rng: np.random.Generator) -> int:
         """Draw a joint."""
         return int(rng.integers(len(self.arm.joints)))
@@ -87,9 +93,7 @@ def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
 
 def _backlash(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a gap in the joint whose load changes its sign most."""
-    up = (one.load > 0.0).mean(axis=0)
-    j = int(np.argmax(np.minimum(up, 1.0 - up) * one.size))
-    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], j)
+    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], int(np.argmax(one.reversing)))
 
 
 def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
@@ -161,28 +165,32 @@ def _drawn(
 ) -> tuple[str, SimulatedArm, dict[str, Any]]:
     """Return description, recording and truth of one world."""
     rng = np.random.default_rng((seed, number))
-    name = list(engine.arms)[(number + number // (len(KINDS) + 2)) % len(engine.arms)]
-    urdf = engine.arms[name]()
-    arm = ArmDynamics(urdf)
-    motion = (pressing_motion(arm, TIP, np.array(PRESSING[name]), _DOWN, rng) if pressing
-              else exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES))
-    one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
+    names, first = list(engine.arms), number + number // (len(KINDS) + 2)
+    for k in range(len(names)):
+        name = names[(first + k) % len(names)]
+        urdf = engine.arms[name]()
+        arm = ArmDynamics(urdf)
+        motion = (pressing_motion(arm, TIP, np.array(PRESSING[name]), _DOWN, rng) if pressing else
+                  exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES))
+        one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
+        if kind != 'backlash' or one.reversing.any():
+            break  # no gap shows where the load stays on one side
     n = len(arm.joints)
     links = np.clip(1.0 + _LINKS_OFF * rng.normal(size=n), 0.95, 1.05)
     true = arm.with_parameters(arm.neutral * np.repeat(links, PER_LINK))
     laws = _everywhere(one, rng)
-    impedance, names = _pressed(kind, rng) if pressing else (None, [])
+    impedance, effects = _pressed(kind, rng) if pressing else (None, [])
     extra = None
     if kind in KINDS:
         laws.append(_concealed(kind, one, rng, pressing))
-        names = [_name_of(laws[-1], arm)]
+        effects = [_name_of(laws[-1], arm)]
     elif kind == UNKNOWN:
         j, extra = _disturbed(one, rng)
-        names = [{'name': UNKNOWN, 'place': arm.joints[j]}]
+        effects = [{'name': UNKNOWN, 'place': arm.joints[j]}]
     sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
                          rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
     states = engine.simulate(urdf, true, motion, laws, sensors, number, extra, impedance)
-    return urdf, states, {'kind': kind, 'arm': name, 'effects': names}
+    return urdf, states, {'kind': kind, 'arm': name, 'effects': effects}
 
 
 def _everywhere(one: _Arm, rng: np.random.Generator) -> list[ArmLaw]:
