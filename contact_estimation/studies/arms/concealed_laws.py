@@ -52,7 +52,6 @@ def mujoco_arm(urdf: str, arm: ArmDynamics, yielding: Sequence[int] = ()) -> Any
     model.jnt_limited[:] = 0
     model.opt.timestep, model.opt.gravity[:] = STEP_S, arm.model.gravity.linear
     model.opt.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
-    mj.mj_setConst(model, mj.MjData(model))
     return model
 
 
@@ -113,6 +112,7 @@ def simulate(
         for one in (wanted.q, wanted.v, arm.torque(wanted.q, wanted.v, wanted.a),
                     np.zeros_like(wanted.q) if extra is None else extra))
     data = mj.MjData(model)
+    mj.mj_setConst(model, data)  # friction and stops are as stiff as the inertias ask for
     data.qpos[dofs] = q_d[0]
     q, v, tau = (np.empty_like(feed) for _ in range(3))
     for k in range(len(times)):
