@@ -114,6 +114,9 @@ def simulate(
     data = mj.MjData(model)
     mj.mj_setConst(model, data)  # friction and stops are as stiff as the inertias ask for
     data.qpos[dofs] = q_d[0]
+    for j, law in yielding.items():  # at rest the link hangs in its gear
+        bent = feed[0, j] if law.effect == 'joint_flexibility' else 0.5 * np.sign(feed[0, j])
+        data.qpos[model.joint(arm.joints[j] + _GEAR).qposadr] = -bent * law.theta[0]
     q, v, tau = (np.empty_like(feed) for _ in range(3))
     for k in range(len(times)):
         q[k], v[k] = data.qpos[dofs], data.qvel[dofs]
