@@ -52,6 +52,7 @@ def mujoco_arm(urdf: str, arm: ArmDynamics, yielding: Sequence[int] = ()) -> Any
     model.jnt_limited[:] = 0
     model.opt.timestep, model.opt.gravity[:] = STEP_S, arm.model.gravity.linear
     model.opt.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+    mj.mj_setConst(model, mj.MjData(model))
     return model
 
 
