@@ -8,7 +8,7 @@ from .diagnosis.observe.signals import read_recording as read_recording, Recordi
 from .estimators import ESTIMATORS as ESTIMATORS
 from .estimators.estimate import Estimate as Estimate
 from .exceptions import ContactEstimationError as ContactEstimationError
-from .kinematics.written_friction import joint_friction as joint_friction
+from .kinematics.description import joint_friction as joint_friction
 from .physics import EFFECTS as EFFECTS
 from .pipeline.axes import Result as Result
 from .pipeline.axis_pipeline import EstimationPipeline as EstimationPipeline

@@ -24,7 +24,7 @@ from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
-from contact_estimation.kinematics.written_friction import joint_friction
+from contact_estimation.kinematics.description import joint_friction
 from contact_estimation.plant.arm_simulation import ArmLaw
 from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
@@ -225,9 +225,10 @@ def test_friction_is_read_back_from_the_written_description(tmp_path: Path) -> N
     file.write_text(corrected_urdf(found, URDF))
     read = joint_friction(file)
     assert read == {one.name: pytest.approx(one.friction, rel=1e-5) for one in found.joints}
-    file.write_text(file.read_text().replace('friction="', 'friction="-'))
-    with pytest.raises(ModelFileError, match='friction of joint_1 must be a number >= 0'):
-        joint_friction(file)
+    file.write_text(file.read_text().replace('friction="', 'friction="much'))
+    for read_wrong in (lambda: joint_friction(file), lambda: ArmDynamics(file.read_text())):
+        with pytest.raises(ModelFileError, match='friction of joint_1 must be a number >= 0'):
+            read_wrong()
     with pytest.raises(ModelFileError, match='must be a URDF file'):
         joint_friction(tmp_path / 'none.urdf')
 

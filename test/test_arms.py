@@ -8,11 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.exceptions import MissingPackageError
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.studies.arms.arm_files import ArmFiles, tool_parameters, world_of
 from contact_estimation.studies.arms.arm_models import (
     ARMS, description_of, mujoco, mujoco_model, TIP,
 )
+from contact_estimation.studies.arms.concealed_laws import ENGINE, mujoco_arm
 from contact_estimation.studies.arms.evaluation import (
     calibrated, errors, estimated_with,
 )
@@ -49,6 +51,22 @@ def test_pose_and_jacobian_equal_those_of_mujoco(urdf: tuple[str, str]) -> None:
         np.testing.assert_allclose(ours.jacobian(q), J, atol=1e-9)
         p_dot, omega = ours.velocity(q, q_dot)[2:]
         np.testing.assert_allclose(np.concatenate([p_dot, omega]), J @ q_dot, atol=1e-9)
+
+
+@pytest.mark.parametrize('name', ENGINE.arms)
+def test_torques_of_links_equal_those_of_mujoco(name: str) -> None:
+    try:
+        urdf = ENGINE.arms[name]()
+        arm, rng = ArmDynamics(urdf), np.random.default_rng(0)
+        model = mujoco_arm(urdf, arm)
+    except MissingPackageError as error:
+        pytest.skip(str(error))
+    data, dofs = mujoco().MjData(model), [model.joint(one).dofadr[0] for one in arm.joints]
+    q, v, a = rng.normal(size=(3, len(dofs)))
+    data.qpos[dofs], data.qvel[dofs], data.qacc[dofs] = q, v, a
+    mujoco().mj_inverse(model, data)
+    torque = arm.torque(q[None], v[None], a[None])[0]
+    np.testing.assert_allclose(data.qfrc_inverse[dofs], torque, atol=0.01)
 
 
 @pytest.mark.slow

@@ -63,6 +63,9 @@ def test_errors_of_which_noise_is_a_bound_count_whole() -> None:
     found = replace(evidence(scored(1.0), CHEAP), white=False)
     told = [found.log_likelihoods(scored(m))[1] for m in (9.0, 4.0)]
     np.testing.assert_allclose(told[0] - told[1], -0.5 * CHEAP.independent * log(9.0 / 4.0))
+    far = replace(evidence(scored(1e4), CHEAP._replace(ideal=0.0)), white=False)
+    gain = far.score(scored(1.1)) - far.score(scored(2.0))
+    assert gain == pytest.approx(0.5 * PARTS * CHEAP.independent * log(2.0 / 1.1))
 
 
 def test_score_adds_the_likelihoods_and_the_prior() -> None:

@@ -187,36 +187,26 @@ def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     assert columns[0].dtype == np.int64
 
 
-@pytest.mark.parametrize('joint, names, position, reason', [
-    ('', ['x'], [], 'joint_empty'),
-    ('', ['x', 'y'], [1.0, 2.0], 'joint_ambiguous'),
-    ('z', ['x', 'y'], [1.0, 2.0], 'joint_unknown'),
-    ('y', ['x', 'y'], [1.0], 'joint_empty'),
+@pytest.mark.parametrize('decoder, raw, reason', [
+    (JointStateDecoder(''), joint_state_bytes(['x'], []), 'joint_empty'),
+    (JointStateDecoder(''), joint_state_bytes(['x', 'y'], [1.0, 2.0]), 'joint_ambiguous'),
+    (JointStateDecoder('z'), joint_state_bytes(['x', 'y'], [1.0, 2.0]), 'joint_unknown'),
+    (JointStateDecoder('y'), joint_state_bytes(['x', 'y'], [1.0]), 'joint_empty'),
+    (TrajectoryDecoder(''), trajectory_bytes(['x'], []), 'trajectory_empty'),
+    (TrajectoryDecoder(''), trajectory_bytes(['x'], [{'velocities': [1.0]}]), 'trajectory_empty'),
+    (TrajectoryDecoder(''), trajectory_bytes(['x', 'y'], [{'positions': [1.0, 2.0]}]),
+     'joint_ambiguous'),
+    (TrajectoryDecoder('z'), trajectory_bytes(['x', 'y'], [{'positions': [1.0, 2.0]}]),
+     'joint_unknown'),
+    (TrajectoryDecoder('y'), trajectory_bytes(['x', 'y'], [{'positions': [1.0]}]),
+     'trajectory_empty'),
 ])
-def test_joint_trouble_has_a_reason_each_time(
-    joint: str, names: Any, position: Any, reason: str
+def test_trouble_with_joints_has_the_same_reason_each_time(
+    decoder: Any, raw: bytes, reason: str
 ) -> None:
-    decoder = JointStateDecoder(joint)
     for _ in range(3):
         with pytest.raises(MessageError) as caught:
-            decoder.decode(joint_state_bytes(names, position))
-        assert caught.value.reason == reason
-
-
-@pytest.mark.parametrize('joint, names, points, reason', [
-    ('', ['x'], [], 'trajectory_empty'),
-    ('', ['x'], [{'velocities': [1.0]}], 'trajectory_empty'),
-    ('', ['x', 'y'], [{'positions': [1.0, 2.0]}], 'joint_ambiguous'),
-    ('z', ['x', 'y'], [{'positions': [1.0, 2.0]}], 'joint_unknown'),
-    ('y', ['x', 'y'], [{'positions': [1.0]}], 'trajectory_empty'),
-])
-def test_trajectory_trouble_has_a_reason(
-    joint: str, names: Any, points: Any, reason: str
-) -> None:
-    decoder = TrajectoryDecoder(joint)
-    for _ in range(2):
-        with pytest.raises(MessageError) as caught:
-            decoder.decode(trajectory_bytes(names, points))
+            decoder.decode(raw)
         assert caught.value.reason == reason
 
 

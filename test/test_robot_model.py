@@ -9,7 +9,7 @@ from math import nan
 import sys
 
 from contact_estimation.exceptions import MissingPackageError, ModelFileError, UnknownNameError
-from contact_estimation.kinematics.joint_kinds import turning_joint
+from contact_estimation.kinematics.description import turning_joint
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.kinematics.tool_load import STANDARD_GRAVITY, tool_wrench, ToolParameters
 from contact_estimation.signals.joint_merging import JointMerger

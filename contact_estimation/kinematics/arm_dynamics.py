@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 from typing import Any, NamedTuple, Sequence
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .description import joint_drives
 from .robot_model import parsed_urdf, pinocchio
 from ..exceptions import ModelFileError, UnknownNameError
 
@@ -65,6 +65,7 @@ class ArmDynamics:
 
     def __init__(self, urdf: str, joints: Sequence[str] | None = None) -> None:
         self._library = pin = pinocchio()
+        drives = joint_drives(urdf)  # Pinocchio does not say which number is wrong
         full = parsed_urdf(pin, urdf)
         names = list(full.names)[1:]
         for joint in joints or ():
@@ -84,7 +85,8 @@ class ArmDynamics:
         self.links = tuple(_moved_link(self.model, k + 1) for k in range(len(self.joints)))
         self.neutral: Array = np.concatenate(
             [one.toDynamicParameters() for one in list(self.model.inertias)[1:]])
-        self.friction, self.damping, self.armature = _drives(urdf, self.joints)
+        self.friction, self.damping, self.armature = np.array(
+            [drives[name] for name in self.joints]).T
         self._zero = pin.neutral(self.model)
         self._turns = self.model.nq != self.model.nv
 
@@ -265,14 +267,6 @@ class ArmDynamics:
 def _or_infinite(limit: Any) -> Array:
     values = np.asarray(limit, float)
     return np.where(values > 0.0, values, np.inf)
-
-
-def _drives(urdf: str, joints: Sequence[str]) -> Array:
-    """Return friction, damping and armature of joints, shape (3, n); armature as MuJoCo means."""
-    dynamics = {one.get('name'): one.find('dynamics')
-                for one in ElementTree.fromstring(urdf).findall('joint')}
-    return np.array([[0.0 if (own := dynamics.get(name)) is None else float(own.get(key, 0.0))
-                      for name in joints] for key in ('friction', 'damping', 'armature')])
 
 
 def _moved_link(model: Any, joint: int) -> str:

@@ -20,11 +20,11 @@ from ..reference.arm_excitation import ArmTrajectory
 
 Array = NDArray[np.float64]
 
-_STEP_S = 1e-3
+STEP_S = 1e-3
 _BANDWIDTH, _RATIO = 2.0 * np.pi * 6.0, 0.7  # of the position control [rad/s], damping ratio
 _SLOW = 0.05  # speed of which a fiftieth is the width of a sharp sgn [rad/s]
 _SECANT = 1e-5  # [rad/s]
-_MOTOR = 0.03  # inertia of a motor behind a spring, in that of its link
+MOTOR = 0.03  # inertia of a motor behind a spring, in that of its link
 _GEAR = 5e4, 20.0  # stiffness and damping of a gear with backlash, per its link's inertia
 _INERTIAL = ('payload', 'link_inertia')
 _SENSED = ('force_gain', 'force_bias', 'force_delay')
@@ -104,11 +104,11 @@ def simulate_arm(
     """
     body = _Body(arm, laws) if impedance is None else _PressingBody(arm, laws, impedance)
     feed = arm.torque(wanted.q, wanted.v, wanted.a)
-    times = np.arange(wanted.t[0], wanted.t[-1], _STEP_S)
-    q_d, v_d, u_f = (np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
-                     for one in (wanted.q, wanted.v, feed))
-    pushed = np.zeros_like(u_f) if extra is None or callable(extra) else np.stack(
-        [np.interp(times, wanted.t, column) for column in extra.T], axis=1)
+    times = np.arange(wanted.t[0], wanted.t[-1], STEP_S)
+    pushed = np.zeros_like(feed) if extra is None or callable(extra) else extra
+    q_d, v_d, u_f, pushed = (
+        np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
+        for one in (wanted.q, wanted.v, feed, pushed))
     q, v, tau = (np.empty_like(u_f) for _ in range(3))
     wrench = np.zeros((len(times), 6))
     body.start(q_d[0])
@@ -119,7 +119,7 @@ def simulate_arm(
             pushes = pushes + touched
         q[k], v[k], tau[k] = body.step(q_d[k], v_d[k], u_f[k], pushes)
     rng = np.random.default_rng(seed)
-    states = _sensed(times, q, v, tau, laws, sensors, rng)
+    states = sensed(times, q, v, tau, laws, sensors, rng)
     if impedance is None:
         return states
     wrench = np.stack([np.interp(states.t, times, column) for column in wrench.T], axis=1)
@@ -130,7 +130,7 @@ class _Body:
     """The arm, its drives, and the laws that act on its motion."""
 
     def __init__(self, arm: ArmDynamics, laws: Sequence[ArmLaw]) -> None:
-        self.arm, n = _changed(arm, laws), len(arm.joints)
+        self.arm, n = changed(arm, laws), len(arm.joints)
         self._sprung = [law for law in laws if law.effect in ('joint_flexibility', 'backlash')]
         self._rotor = np.zeros(n)
         static = []
@@ -140,10 +140,7 @@ class _Body:
             elif law.effect not in (*_INERTIAL, *_SENSED, 'base_tilt') and law not in self._sprung:
                 static.append(law)
         self._grouped = _grouped(static)
-        M, _ = self.arm.forward(np.zeros(n), np.zeros(n), np.zeros(n))
-        self._size = np.diag(M) + self._rotor
-        self._stiff, self._damp = (self._size * _BANDWIDTH**2,
-                                   2.0 * _RATIO * self._size * _BANDWIDTH)
+        self._size, self._stiff, self._damp = position_control(self.arm, self._rotor)
         self._load = np.zeros(n)
         self.motors = [law.place for law in self._sprung]
 
@@ -169,7 +166,7 @@ class _Body:
     def step(self, q_d: Array, v_d: Array, feed: Array, pushed: Array
              ) -> tuple[Array, Array, Array]:
         """Advance by one step; return measured positions and velocities, and the torques."""
-        h, n, m = _STEP_S, len(self.q), self.motors
+        h, n, m = STEP_S, len(self.q), self.motors
         seen, fast = self.q.copy(), self.v.copy()
         seen[m], fast[m] = self.theta, self.omega
         u, damp = self._control(q_d, v_d, feed, seen)
@@ -184,7 +181,7 @@ class _Body:
         drives[m] = n + np.arange(len(m))
         for k, (law, j) in enumerate(zip(self._sprung, m)):
             K, D, bent = self._spring(law, k)
-            motor = _MOTOR * self._size[j]
+            motor = MOTOR * self._size[j]
             A[n + k, n + k] = motor
             b[n + k] = motor * self.omega[k] + h * u[j]
             b[j] -= h * u[j]
@@ -255,37 +252,45 @@ class _PressingBody(_Body):
         return wrench, J.T @ wrench
 
 
-def _changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
+def position_control(arm: ArmDynamics, rotor: Array) -> tuple[Array, Array, Array]:
+    """Return inertia, stiffness and damping of the position control of each joint, (n,)."""
+    zero = np.zeros(len(arm.joints))
+    size = np.diag(arm.forward(zero, zero, zero)[0]) + rotor
+    return size, size * _BANDWIDTH**2, 2.0 * _RATIO * size * _BANDWIDTH
+
+
+def changed(arm: ArmDynamics, laws: Sequence[ArmLaw]) -> ArmDynamics:
     """Return the arm with what its links carry, on its tilted base."""
     theta = arm.neutral.copy()
     for law in laws:
         if law.effect in _INERTIAL:
             first = PER_LINK * law.place
             theta[first:first + PER_LINK] += law.theta
-    changed = arm.with_parameters(theta)
+    other = arm.with_parameters(theta)
     for law in laws:
         if law.effect == 'base_tilt':
-            gravity = changed.model.gravity.linear.copy()
+            gravity = other.model.gravity.linear.copy()
             gravity[:2] += np.linalg.norm(gravity) * np.asarray(law.theta)
-            changed.model.gravity.linear = gravity
-    return changed
+            other.model.gravity.linear = gravity
+    return other
 
 
 def _grouped(laws: Sequence[ArmLaw]) -> list[tuple[JointEffect, Place, Any, Array]]:
     """Evaluate the plain laws of all joints at once."""
     found: list[tuple[JointEffect, Place, Any, Array]] = []
-    for name in ('coulomb_friction', 'viscous_friction'):
+    plain = ('coulomb_friction', 'viscous_friction')
+    for name in plain:
         alike = [law for law in laws if law.effect == name]
         if alike:
             found.append((JOINT_EFFECTS[name], tuple(law.place for law in alike),
                           np.array([law.shape or 1e-3 for law in alike]),
                           np.array([law.theta for law in alike], dtype=float).T))
     return found + [(JOINT_EFFECTS[law.effect], law.place, law.shape,
-                     np.asarray(law.theta, dtype=float))
-                    for law in laws if law.effect not in ('coulomb_friction', 'viscous_friction')]
+                     np.asarray(law.theta, dtype=float)) for law in laws
+                    if law.effect not in plain]
 
 
-def _sensed(
+def sensed(
     t: Array, q: Array, v: Array, tau: Array, laws: Sequence[ArmLaw], sensors: ArmSensors,
     rng: np.random.Generator,
 ) -> SimulatedArm:

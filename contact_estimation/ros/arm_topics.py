@@ -16,7 +16,7 @@ from .data_thread import RawSubscriptions
 from .topics import has_transforms
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
-from ..kinematics.joint_kinds import turning_joint
+from ..kinematics.description import turning_joint
 from ..kinematics.transform_model import TransformModel
 from ..messages.transforms import TRANSFORMS_TYPE
 from ..pipeline.arm_inputs import ArmStage

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,7 +103,24 @@ def read_arm_recording(
 
     """
     source = RecordingSource.of_topics(topics or {})
-    topic, reader = source.joint_states, RecordingReader(str(path), source)
+    reader = RecordingReader(str(path), source)
+    readings = _readings(reader, source.joint_states)
+    most = max(map(len, readings.values()))
+    joints = tuple(name for name, rows in readings.items() if 2 * len(rows) > most)
+    stamps, values = _aligned([np.array(readings[name], float) for name in joints])
+    q, v, tau = np.moveaxis(values, -1, 0)
+    finite = np.isfinite(q).all(axis=1)
+    there = canonical(source.wrench) in map(canonical, reader.topics())
+    return ArmRecording(
+        Path(path).name, joints, 1e-9 * (stamps - stamps[0])[finite], q[finite], v[finite],
+        tau[finite], _wrench(reader, source, parameters or {}, stamps[finite])
+        if there or 'wrench' in (topics or {}) else None)
+
+
+def _readings(
+    reader: RecordingReader, topic: str
+) -> dict[str, list[tuple[int, float, float, float]]]:
+    """Return stamp [ns], position, velocity and effort of all joints; the last NaN if absent."""
     readings, refused = dict[str, list[tuple[int, float, float, float]]](), ''
     for batch in reader.batches([topic]):
         for message in batch:
@@ -114,26 +131,19 @@ def read_arm_recording(
     most = max(map(len, readings.values()), default=0)
     if most < _LEAST_SAMPLES:
         raise RecordingError(
-            f'{path} must hold at least {_LEAST_SAMPLES} joint states with positions on topic '
-            f'{topic!r}, got {most}{refused}; record the arm in motion for some ten seconds')
-    joints = tuple(name for name, rows in readings.items() if 2 * len(rows) > most)
-    series = [np.array(readings[name], float) for name in joints]
+            f'{reader.path} must hold at least {_LEAST_SAMPLES} joint states with positions on '
+            f'topic {topic!r}, got {most}{refused}; record the arm in motion for some ten seconds')
+    return readings
+
+
+def _aligned(series: Sequence[Array]) -> tuple[Array, Array]:
+    """Return the stamps (N,) [ns] of the longest series, and all of them there, (N, n, 3)."""
     longest = max(series, key=len)
-    first = longest[0, 0]
     stamps, keep = np.unique(longest[:, 0], return_index=True)
-    t = 1e-9 * (stamps - first)
-    if all(len(one) == len(longest) and np.array_equal(one[:, 0], longest[:, 0])
-           for one in series):
-        values = [one[keep, 1:] for one in series]
-    else:
-        values = [_interpolated(stamps, one) for one in series]
-    q, v, tau = (np.stack([one[:, k] for one in values], axis=1) for k in range(3))
-    finite = np.isfinite(q).all(axis=1)
-    there = canonical(source.wrench) in map(canonical, reader.topics())
-    return ArmRecording(
-        Path(path).name, joints, t[finite], q[finite], v[finite], tau[finite],
-        _wrench(reader, source, parameters or {}, stamps[finite])
-        if there or 'wrench' in (topics or {}) else None)
+    alike = all(len(one) == len(longest) and np.array_equal(one[:, 0], longest[:, 0])
+                for one in series)
+    return stamps, np.stack([one[keep, 1:] if alike else _interpolated(stamps, one)
+                             for one in series], axis=1)
 
 
 def _wrench(

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Sequence
@@ -193,8 +194,8 @@ def _score(reading: Reading, rows: Any, order: Any, both: bool) -> float:
     q, v, a, tau = q[:, order], v[:, order], a[:, order], tau[:, order] if both else tau
     outside = reading.outside and reading.outside._replace(wrench=reading.outside.wrench[rows])
     load, total = reading.arm.torque(q, v, a) - reading.arm.torque_from(q, outside), 0.0
-    some = object.__new__(Reading)
-    some.__dict__.update(reading.__dict__, v=v, a=a)
+    some = copy(reading)
+    some.v, some.a = v, a
     for j in reading.channels.measured:
         total += float(np.log(some.error(tau[:, j], j, load[:, j])))
     return total
@@ -228,8 +229,7 @@ def check_clock(reading: Reading) -> ArmCheck:
     t, joints = reading.t, reading.channels.measured
     scores = []
     for lag in _LAGS_S:
-        some = object.__new__(Reading)
-        some.__dict__.update(reading.__dict__)
+        some = copy(reading)
         for name in ('load', 'v', 'a'):
             signal = getattr(reading, name)
             setattr(some, name, np.stack(

@@ -58,9 +58,7 @@ def diagnose_arm(
     progress('checks')
     arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
-    checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
-              *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
-              *check_efforts(fitted, arm)]
+    checks = _checks(fitted, tested, arm)
     if not all(one.ok for one in checks if one.name == 'wrench_frame'):
         fitted, tested = ([replace(one, wrench=None) for one in every]
                           for every in (fitted, tested))
@@ -68,17 +66,27 @@ def diagnose_arm(
         ('rests', [one.moves for one in fitted]),
         ('publishes no effort', [one.has_effort for one in fitted]))
         for name, every in zip(arm.joints, np.all(known, axis=0)) if not every}
-    if any(one.fatal and not one.ok for one in checks):
-        return ArmDiagnosis('unexplained', [], [], silent, checks)
+    begun = ArmDiagnosis('unexplained', [], [], silent, checks)
+    if begun.refused:
+        return begun
     channels = Channels(fitted, arm)
     checks += examine(channels)
-    if any(one.fatal and not one.ok for one in checks):
-        return ArmDiagnosis('unexplained', [], [], silent, checks, channels=channels)
+    if begun.refused:
+        return replace(begun, channels=channels)
     space = ArmModels(Gram(channels), progress)
     compared = search(space, progress, laws=MOST_LAWS)
     named = likely(compared, seed)
     return _concluded(space, compared, named, checks, silent, tested,
                       list(simulated.model) if simulated else [])
+
+
+def _checks(
+    fitted: Sequence[ArmRecording], tested: Sequence[ArmRecording], arm: ArmDynamics
+) -> list[ArmCheck]:
+    """Make the checks that need no dynamics."""
+    return [check_description(arm), *(check_units(one, arm) for one in fitted),
+            *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
+            *check_efforts(fitted, arm)]
 
 
 def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
@@ -110,9 +118,8 @@ def _concluded(
         verdict, effects, joints, silent, [*checks, _tool(names, effects)],
         channels=channels, model=model, fitted=found, compared=compared,
         apparent_mass=_apparent_mass(channels))
-    held = [_held_out(diagnosis, one) for one in tested]
-    return ArmDiagnosis(**{**diagnosis.__dict__, 'holdouts': held,
-                           'next_experiment': _next(effects)})
+    return replace(diagnosis, holdouts=[_held_out(diagnosis, one) for one in tested],
+                   next_experiment=_next(effects))
 
 
 def _is_known(term: Term, known: Sequence[Term]) -> bool:

@@ -30,8 +30,8 @@ def diagnose_contact(
     and whatever controller moves the tip is nothing that the contact could lack.
 
     A compliance C between the measured joints and the wall looks like a late force:
-    F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v), with K_e' and B_e' by 1 + K_e C too small. The
-    compliance is listed beside a late force.
+    F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v), with K_e' and B_e' by 1 + K_e C too small, and
+    x_e off by how far the arm sags. The compliance is listed beside both.
 
     Parameters
     ----------
@@ -54,4 +54,5 @@ def diagnose_contact(
     found = diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
     return replace(found, effects=[
         replace(one, indistinguishable_from=[*one.indistinguishable_from, COMPLIANCE])
-        if one.family == 'timing' else one for one in found.effects])
+        if one.family == 'timing' or one.name == 'contact_offset' else one
+        for one in found.effects])

@@ -111,6 +111,10 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     effect, gram = JOINT_EFFECTS[term.effect], names.space.gram
     arm, joints = gram.channels.arm, gram.joints
     theta, stds, note, rivals = names.values(term)
+    as_links = _in_links(names, term)
+    if as_links:
+        note = (f'it includes what the description lacks as {as_links[0]}: about this axis no '
+                'motion separates the two')
     parameters = {symbol: Value(float(value), float(std), unit)
                   for (symbol, unit), value, std in zip(effect.coefficients, theta, stds)}
     if effect.shape is not None:
@@ -133,7 +137,7 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
         {arm.joints[joints[k]]: float(size) for k, size in enumerate(sizes) if size > 0.0},
         names.gain(term) if name is not None else 0.0,
         [] if name is None else list(dict.fromkeys(
-            [*(in_words(one, arm) for one in name.alike), *rivals, *_in_links(names, term)])),
+            [*(in_words(one, arm) for one in name.alike), *rivals, *as_links])),
         *_located(names, term, joints[main]), note)
 
 

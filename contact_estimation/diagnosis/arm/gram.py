@@ -332,12 +332,20 @@ class Gram:
     def errors(self, k: int, index: Array, T: Array) -> tuple[Array, Array]:
         """Return the mean square of each block, as left out and as fitted; T (B + 1, K)."""
         G, c = self.G[k][:, index[:, None], index], self.c[k][:, index]
-        out = []
-        for theta in (T[:-1], np.broadcast_to(T[-1], T[:-1].shape)):
-            e = self.s[:, k] - 2.0 * np.einsum('bp,bp->b', theta, c) + np.einsum(
-                'bp,bpq,bq->b', theta, G, theta)
-            out.append(np.maximum(e, 0.0) / self.kept[:, k])
-        return out[0], out[1]
+        left_out, fitted = (np.maximum(remainder(G, c, self.s[:, k], one), 0.0) / self.kept[:, k]
+                            for one in of_blocks(T))
+        return left_out, fitted
+
+
+def of_blocks(T: Array) -> tuple[Array, Array]:
+    """Return the coefficients of each block, (B, K): of the fit without it, and on all."""
+    return T[:-1], np.broadcast_to(T[-1], T[:-1].shape)
+
+
+def remainder(G: Array, c: Array, s: Array, theta: Array) -> Array:
+    """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (B, K)."""
+    return np.asarray(s - 2.0 * np.einsum('bp,bp->b', theta, c)
+                      + np.einsum('bp,bpq,bq->b', theta, G, theta))
 
 
 def _divided(terms: Sequence[Term], widths: Sequence[int], theta: Array) -> dict[Term, Array]:

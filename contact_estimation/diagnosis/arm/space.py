@@ -11,7 +11,7 @@ from typing import Callable, Iterable, Sequence
 import numpy as np
 
 from .channels import Term
-from .gram import Fitted, Gram
+from .gram import Fitted, Gram, of_blocks, remainder
 from ..compare.constants import ARM, Constants
 from ..compare.evidence import Evidence, Scored
 from ...physics.joints import JOINT_EFFECTS, Place
@@ -122,6 +122,11 @@ class ArmModels:
         """Return whether a law's shape is a value that is told, and not a matter of smoothing."""
         return JOINT_EFFECTS[term.effect].shape is not None and term.effect != 'coulomb_friction'
 
+    def price(self, term: Term) -> float:
+        """Return the log prior odds against a law, but for its parameters."""
+        effect = JOINT_EFFECTS[term.effect]
+        return self._c.law * effect.laws + self._c.curve * effect.is_curve + self.rarity(term)
+
     def rarity(self, term: Term) -> float:
         """Return the log prior odds against a law at just this place, of all where it may be."""
         return JOINT_EFFECTS[term.effect].laws * self._places[term.effect]
@@ -151,12 +156,14 @@ class ArmModels:
         mine = frozenset(judge.local)
         rest, here = model - mine, judge.score(mine)
         for _ in range(_STEPS):
-            near = self.neighbours(mine, self._local[j])
-            scores = [judge.score(one) for one in near]
-            if not near or max(scores) <= here:
+            scores = {one: judge.score(one) for one in self.neighbours(mine, self._local[j])}
+            better = sorted((one for one in scores if scores[one] > here), key=lambda one:
+                            -scores[one])
+            # Values may prove impossible once the shared coefficients are fitted, too.
+            found = next((one for one in better if self.score(rest | one) > -np.inf), None)
+            if found is None:
                 break
-            here = max(scores)
-            mine = near[int(np.argmax(scores))]
+            mine, here = found, scores[found]
         return rest | mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
@@ -195,7 +202,7 @@ class ArmModels:
         for term in self._can_add(model, self._shared):
             gain, best = max((self.score(start | {term}) - self.score(start), k)
                              for k, start in enumerate((model, core)))
-            if gain > 0.0:
+            if gain > -_NEAR:  # the laws of the joints are bent to do without it
                 gains.append((gain, (model, core)[best] | {term}))
         gains.sort(key=lambda pair: -pair[0])
         return self._known([self._refined(start) for _, start in gains[:_TRIED]])
@@ -246,12 +253,10 @@ class _JointJudge:
         self._w = gram.weights[k]
         self._rhs = gram.c_fit[k] - np.einsum('bpo,bo->bp', gram.G_fit[k][:, :, outer], theta)
         G, c = gram.G[k], gram.c[k]
-        self._own = []
-        for one in (theta[:-1], np.broadcast_to(theta[-1], theta[:-1].shape)):
-            rest = c - np.einsum('bpo,bo->bp', G[:, :, outer], one)
-            square = gram.s[:, k] - np.einsum(
-                'bo,bo->b', one, c[:, outer] + rest[:, outer])
-            self._own.append((rest, square))
+        # What the shared coefficients leave, of the fits without each block, and of that on all.
+        self._own = [(c - np.einsum('bpo,bo->bp', G[:, :, outer], one),
+                      remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], one))
+                     for one in of_blocks(theta)]
 
     def score(self, mine: Model) -> float:
         """Return log likelihood and prior of the joint's blocks."""
@@ -261,28 +266,20 @@ class _JointJudge:
         K = self._w * gram.G_fit[k][:, index[:, None], index] + np.eye(len(index))
         T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[:, :, 0]
         scales = np.concatenate([gram.scales[term] for term in terms])
-        whole, first = scales * T[-1], 0
-        prior = 0.0
-        for term in terms:
-            width, effect = len(gram.scales[term]), JOINT_EFFECTS[term.effect]
-            if not effect.possible(whole[first:first + width]):
-                return -np.inf
-            first += width
-            if term in self._space.zeros:
-                continue
-            prior += (c.parameter * (width + self._space._has_shape(term)) + c.law * effect.laws
-                      + self._space.rarity(term) + c.curve * effect.is_curve)
+        widths = [len(gram.scales[term]) for term in terms]
+        values = np.split(scales * T[-1], np.cumsum(widths)[:-1])
+        if not all(JOINT_EFFECTS[term.effect].possible(one) for term, one in zip(terms, values)):
+            return -np.inf
         G = gram.G[k][:, index[:, None], index]
-        errors = []
-        for (rest, square), theta in zip(self._own, (T[:-1], np.broadcast_to(
-                T[-1], T[:-1].shape))):
-            e = square - 2.0 * np.einsum('bp,bp->b', theta, rest[:, index]) + np.einsum(
-                'bp,bpq,bq->b', theta, G, theta)
-            errors.append(np.maximum(e, 0.0) / gram.kept[:, k])
-        expected = c.left_out * errors[0] + (1.0 - c.left_out) * errors[1]
+        left_out, fitted = (
+            np.maximum(remainder(G, rest[:, index], square, theta), 0.0) / gram.kept[:, k]
+            for (rest, square), theta in zip(self._own, of_blocks(T)))
+        expected = c.left_out * left_out + (1.0 - c.left_out) * fitted
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
         likelihood = -0.5 * gram.counts[:, k] * np.log(beyond / gram.floor[k] + 1.0)
-        return float(likelihood.sum()) - prior
+        return float(likelihood.sum()) - sum(
+            c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
+            for term, width in zip(terms, widths) if term not in self._space.zeros)
 
 
 def label(term: Term) -> str:

@@ -114,7 +114,7 @@ class JointEffect:
     possible : callable
         Whether coefficients (K,) are physically possible.
     laws : int
-        Number of laws that it is made of: 2 if it refines a plainer one.
+        Number of laws that it adds to plain friction, which every joint has.
     is_curve : bool
         Whether it is a curve that follows almost any slow misfit of a joint.
     needs_wrench : bool

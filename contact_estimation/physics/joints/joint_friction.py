@@ -64,8 +64,10 @@ def _coupled(motion: JointMotion, place: Place, shape: float) -> dict[int, Array
             k: way * np.stack([rubs, v[:, j], a[:, j]], axis=1)}
 
 
-_DRY: dict[str, Any] = {'family': 'friction', 'group': 'dry_friction', 'possible': positive}
-_VISCOUS: dict[str, Any] = {'family': 'friction', 'group': 'viscous_friction'}
+# Every joint has plain friction: no law that is surprising, nor is its place.
+_DRY: dict[str, Any] = {'family': 'friction', 'group': 'dry_friction', 'possible': positive,
+                        'laws': 0}
+_VISCOUS: dict[str, Any] = {'family': 'friction', 'group': 'viscous_friction', 'laws': 0}
 _B = ('B', 'N m s/rad')
 _QUADRATIC = QuadraticDamping(B_2=1.0)
 _ASYMMETRIC = AsymmetricDamping(B_a=1.0)
@@ -79,9 +81,9 @@ FRICTION = (
         law=lambda motion, j, width: (sign(motion.v[:, j], width),), **_DRY),
     JointEffect(
         'stribeck_friction', equation="tau += (F_c + (F_s - F_c) exp(-(q' / v_s)^2)) sgn(q')",
-        coefficients=(('F_c', 'N m'), ('F_s', 'N m')), shape=('v_s', 'rad/s'), laws=2,
+        coefficients=(('F_c', 'N m'), ('F_s', 'N m')), shape=('v_s', 'rad/s'),
         shapes=_of_speed(0.1, 0.2, 0.4), law=_stribeck,
-        **{**_DRY, 'possible': lambda theta: bool(0.0 <= theta[0] <= theta[1])}),
+        **{**_DRY, 'laws': 1, 'possible': lambda theta: bool(0.0 <= theta[0] <= theta[1])}),
     JointEffect(
         'presliding_friction', equation="tau += z, z' = (q' / travel) (F_c - z sgn q')",
         coefficients=(('F_c', 'N m'),), shape=('travel', 'rad'),
@@ -89,22 +91,25 @@ FRICTION = (
     # Teeth rub in proportion to what they carry: Hamon, Gautier, Garrec and Janot, IROS 2010.
     JointEffect(
         'load_dependent_friction', equation="tau += (F_c + mu |load|) sgn(q')",
-        coefficients=(('F_c', 'N m'), ('mu', '1')), laws=2,
+        coefficients=(('F_c', 'N m'), ('mu', '1')),
         law=lambda motion, j, _: (
-            _sharp(motion, j), np.abs(motion.load[:, j]) * _sharp(motion, j)), **_DRY),
+            _sharp(motion, j), np.abs(motion.load[:, j]) * _sharp(motion, j)),
+        **{**_DRY, 'laws': 1}),
     JointEffect(
         'viscous_friction', equation="tau += B q'", coefficients=(_B,), possible=positive,
         law=lambda motion, j, _: (motion.v[:, j],), **_VISCOUS),
     # B_2 < 0: a lubricant that thins with the rate of shear.
     JointEffect(
-        'quadratic_damping', equation="tau += B q' + B_2 q' |q'|", laws=2,
+        'quadratic_damping', equation="tau += B q' + B_2 q' |q'|",
         coefficients=(_B, ('B_2', 'N m s^2/rad^2')), possible=lambda theta: bool(theta[0] >= 0.0),
-        law=lambda motion, j, _: (motion.v[:, j], _law(_QUADRATIC, motion.v[:, j])), **_VISCOUS),
+        law=lambda motion, j, _: (motion.v[:, j], _law(_QUADRATIC, motion.v[:, j])),
+        **{**_VISCOUS, 'laws': 1}),
     JointEffect(
-        'asymmetric_damping', equation="tau += B q' + B_a |q'|", laws=2,
+        'asymmetric_damping', equation="tau += B q' + B_a |q'|",
         coefficients=(_B, ('B_a', 'N m s/rad')),
         possible=lambda theta: bool(abs(theta[1]) <= theta[0]),
-        law=lambda motion, j, _: (motion.v[:, j], _law(_ASYMMETRIC, motion.v[:, j])), **_VISCOUS),
+        law=lambda motion, j, _: (motion.v[:, j], _law(_ASYMMETRIC, motion.v[:, j])),
+        **{**_VISCOUS, 'laws': 1}),
     # Wrists whose last gears share a shaft: Gautier, J. Robotic Systems 14(2), 1997.
     JointEffect(
         'coupled_friction', 'friction',

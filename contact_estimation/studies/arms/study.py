@@ -16,10 +16,12 @@ from typing import Any
 
 from .arm_files import ArmFiles, tool_parameters, world_of
 from .arm_models import ARMS
+from .concealed_laws import ENGINE
 from .evaluation import (
     calibrated, CONCEALED, concealed_case, diagnosed, diagnosis_of, errors, estimated,
     kinematics_cost)
 from .report import as_markdown, plot_contact, plot_frames
+from ..blind_trials.arm_trials import arm_text, run_arm_trials
 from ...commands.command_line import command, Parser
 from ...exceptions import ParameterRangeError, UnknownNameError
 
@@ -43,6 +45,11 @@ def make_parser() -> Parser:
     parser.add_argument('--live', action='store_true',
                         help='also run the node over DDS on each arm, in real time, and diagnose '
                         'what its recorder has written')
+    parser.add_argument('--concealed', type=int, default=0, metavar='N',
+                        help='in place of all that, N worlds on a planar arm, panda and ur5, in '
+                        'which a law of a joint, a link or a sensor of torque is concealed from '
+                        'diagnose --nominal-robot (0)')
+    parser.add_argument('--seed', type=int, default=0, help='of --concealed (0)')
     return parser
 
 
@@ -53,8 +60,16 @@ def run(options: Any) -> int:
             raise UnknownNameError.among('arm', name, ARMS)
     if not 0 <= options.seeds <= 1000:
         raise ParameterRangeError(f'--seeds must be 0 to 1000, got {options.seeds}')
+    if options.concealed < 0 or options.seed < 0:
+        raise ParameterRangeError('--concealed and --seed must be >= 0, got '
+                                  f'{options.concealed} and {options.seed}')
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
+    if options.concealed:
+        table = arm_text(run_arm_trials(folder, options.concealed, options.seed, engine=ENGINE))
+        (folder / 'concealed.txt').write_text(table + '\n')
+        print(table)
+        return 0
     results: dict[str, Any] = {'tool': [], 'contact': [], 'cost': [], 'diagnosis': []}
     for name in options.arms or ARMS:
         first = not results['tool']

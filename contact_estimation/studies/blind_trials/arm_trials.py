@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 import json
 from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
@@ -53,6 +54,12 @@ class _Arm(NamedTuple):
         span = np.ptp(self.load, axis=0)
         return np.maximum(span, 0.05 * span.max())
 
+    @property
+    def reversing(self) -> Array:
+        """Time in which each joint's load is on its rarer side, times the size."""
+        up = (self.load > 0.0).mean(axis=0)
+        return np.asarray(np.minimum(up, 1.0 - up) * self.size)
+
     def joint(self, rng: np.random.Generator) -> int:
         """Draw a joint."""
         return int(rng.integers(len(self.arm.joints)))
@@ -86,9 +93,7 @@ def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
 
 def _backlash(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a gap in the joint whose load changes its sign most."""
-    up = (one.load > 0.0).mean(axis=0)
-    j = int(np.argmax(np.minimum(up, 1.0 - up) * one.size))
-    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], j)
+    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], int(np.argmax(one.reversing)))
 
 
 def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
@@ -123,7 +128,7 @@ KINDS: Mapping[str, Draw] = {
 """What is concealed, beside nothing, and a torque that is no function of the state."""
 
 _STIFFNESS, _DAMPING, _SURFACE = 4800.0, 60.0, 0.012  # of the wall [N/m], [N s/m], [m]
-_DEPTH = 0.03
+_DEPTH, _DOWN = 0.03, np.array([0.0, 0.0, -1.0])
 _WALL_LAWS: Mapping[str, Callable[[np.random.Generator], float]] = {
     'dead_zone': lambda rng: rng.uniform(0.002, 0.005),
     'cubic_stiffness': lambda rng: rng.uniform(0.3, 0.8) * _STIFFNESS / _DEPTH**2,
@@ -144,59 +149,89 @@ PRESSED = (CLEAN, 'coulomb_friction', 'dead_zone', 'joint_flexibility', CLEAN, '
 """What is concealed in arms that press on a wall: in their joints, or in the wall."""
 
 
+class Engine(NamedTuple):
+    """What simulates arms: the descriptions of some by name, and `simulate_arm` or the like."""
+
+    arms: Mapping[str, Callable[[], str]]
+    simulate: Callable[..., SimulatedArm]  # of the description, then as `simulate_arm`
+
+
+OWN = Engine({name: partial(arm_description, name) for name in ARM_MODELS},
+             lambda urdf, *given: simulate_arm(*given))
+
+
 def _drawn(
-    kind: str, number: int, seed: int, pressing: bool
+    kind: str, number: int, seed: int, pressing: bool, engine: Engine
 ) -> tuple[str, SimulatedArm, dict[str, Any]]:
     """Return description, recording and truth of one world."""
     rng = np.random.default_rng((seed, number))
-    name = list(ARM_MODELS)[(number + number // (len(KINDS) + 2)) % len(ARM_MODELS)]
-    urdf = arm_description(name)
-    arm = ArmDynamics(urdf)
+    names, first = list(engine.arms), number + number // (len(KINDS) + 2)
+    for k in range(len(names)):
+        name = names[(first + k) % len(names)]
+        urdf = engine.arms[name]()
+        arm = ArmDynamics(urdf)
+        motion = (pressing_motion(arm, TIP, np.array(PRESSING[name]), _DOWN, rng) if pressing else
+                  exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES))
+        one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
+        if kind != 'backlash' or one.reversing.any():
+            break  # no gap shows where the load stays on one side
     n = len(arm.joints)
-    normal = np.array([0.0, 0.0, -1.0])
-    if pressing:
-        motion = pressing_motion(arm, TIP, np.array(PRESSING[name]), normal, rng)
-    else:
-        motion = exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES)
-    one = _Arm(arm, motion, arm.torque(motion.q, motion.v, motion.a))
     links = np.clip(1.0 + _LINKS_OFF * rng.normal(size=n), 0.95, 1.05)
     true = arm.with_parameters(arm.neutral * np.repeat(links, PER_LINK))
-    laws = [ArmLaw('coulomb_friction', [share], j, 1e-3)
-            for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
-    laws += [ArmLaw('viscous_friction', [share], j)
-             for j, share in enumerate(rng.uniform(0.01, 0.05, n) * one.size)]
-    laws += [ArmLaw('force_bias', [zero], j)
-             for j, zero in enumerate(rng.normal(size=n) * 0.005 * one.size)]
-    truth: dict[str, Any] = {'kind': kind, 'arm': name, 'effects': []}
-    extra, impedance = None, None
-    if pressing:
-        wall = [] if kind not in _WALL_LAWS else effects_that_are_on(
-            build(PlantParameters, _wall_law(kind, rng)).physics)
-        truth['effects'] = [{'name': one.name, 'family': one.family, 'place': None}
-                            for one in wall]
-        impedance = Impedance(
-            normal, ContactLaw(_STIFFNESS, _DAMPING, _SURFACE, 0.0, True, wall),
-            noise=np.array(3 * [0.3] + 3 * [0.02]))
+    laws = _everywhere(one, rng)
+    impedance, effects = _pressed(kind, rng) if pressing else (None, [])
+    extra = None
     if kind in KINDS:
-        law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
-        if pressing and kind == 'joint_flexibility':
-            law = replace(law, theta=[_STIFF * law.theta[0]])
-        laws.append(law)
-        place = law.place
-        truth['effects'] = [{'name': kind, 'family': JOINT_EFFECTS[kind].family,
-                             'place': None if place is None or kind == 'payload'
-                             else arm.joints[place],
-                             'parameters': [float(x) for x in law.theta]}]
+        laws.append(_concealed(kind, one, rng, pressing))
+        effects = [_name_of(laws[-1], arm)]
     elif kind == UNKNOWN:
-        j = one.joint(rng)
-        t, extra = motion.t, np.zeros_like(motion.q)
-        tones = rng.uniform(0.15, 0.9, 6)
-        wave = sum(np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0)) for f in tones)
-        extra[:, j] = rng.uniform(0.1, 0.2) * one.size[j] * wave / np.std(wave)
-        truth['effects'] = [{'name': UNKNOWN, 'place': arm.joints[j]}]
+        j, extra = _disturbed(one, rng)
+        effects = [{'name': UNKNOWN, 'place': arm.joints[j]}]
     sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
                          rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
-    return urdf, simulate_arm(true, motion, laws, sensors, number, extra, impedance), truth
+    states = engine.simulate(urdf, true, motion, laws, sensors, number, extra, impedance)
+    return urdf, states, {'kind': kind, 'arm': name, 'effects': effects}
+
+
+def _everywhere(one: _Arm, rng: np.random.Generator) -> list[ArmLaw]:
+    """Draw what every arm has: friction, and zeros of its torques."""
+    n = len(one.arm.joints)
+    dry, viscous = (rng.uniform(0.01, 0.05, n) * one.size for _ in range(2))
+    return [ArmLaw(name, [value], j, shape) for name, shape, values in (
+        ('coulomb_friction', 1e-3, dry), ('viscous_friction', 0.0, viscous),
+        ('force_bias', 0.0, rng.normal(size=n) * 0.005 * one.size))
+        for j, value in enumerate(values)]
+
+
+def _pressed(kind: str, rng: np.random.Generator) -> tuple[Impedance, list[dict[str, Any]]]:
+    """Return control and wall, and what is concealed in the wall."""
+    laws = effects_that_are_on(build(PlantParameters, _wall_law(kind, rng)).physics
+                               ) if kind in _WALL_LAWS else []
+    wall = ContactLaw(_STIFFNESS, _DAMPING, _SURFACE, 0.0, True, laws)
+    return (Impedance(_DOWN, wall, noise=np.array(3 * [0.3] + 3 * [0.02])),
+            [{'name': law.name, 'family': law.family, 'place': None} for law in laws])
+
+
+def _concealed(kind: str, one: _Arm, rng: np.random.Generator, pressing: bool) -> ArmLaw:
+    """Draw a law of a joint or of what the arm carries."""
+    law = (_LOADED if pressing and kind == 'coulomb_friction' else KINDS[kind])(one, rng)
+    soft = pressing and kind == 'joint_flexibility'
+    return replace(law, theta=[_STIFF * law.theta[0]]) if soft else law
+
+
+def _name_of(law: ArmLaw, arm: ArmDynamics) -> dict[str, Any]:
+    return {'name': law.effect, 'family': JOINT_EFFECTS[law.effect].family,
+            'place': None if law.place is None or law.effect == 'payload'
+            else arm.joints[law.place], 'parameters': [float(x) for x in law.theta]}
+
+
+def _disturbed(one: _Arm, rng: np.random.Generator) -> tuple[int, Array]:
+    """Draw a joint, and torques (N, n) that are no function of the state."""
+    j, t, extra = one.joint(rng), one.motion.t, np.zeros_like(one.motion.q)
+    wave = sum(np.sin(2.0 * np.pi * f * t + rng.uniform(0.0, 6.0))
+               for f in rng.uniform(0.15, 0.9, 6))
+    extra[:, j] = rng.uniform(0.1, 0.2) * one.size[j] * wave / np.std(wave)
+    return j, extra
 
 
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
@@ -215,8 +250,9 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
 
 
 def run_arm_trials(
-    folder: Path, count: int, seed: int, progress: Callable[[float, str], None],
-    only_write: bool = False, pressing: bool = False,
+    folder: Path, count: int, seed: int,
+    progress: Callable[[float, str], None] = lambda share, world: None,
+    only_write: bool = False, pressing: bool = False, engine: Engine = OWN,
 ) -> list[dict[str, Any]]:
     """
     Draw worlds, diagnose them blind, and score; what is in the folder already is used again.
@@ -235,7 +271,7 @@ def run_arm_trials(
         truth, report = sealed / f'{stem}.json', reports / f'{stem}.json'
         progress(k / count, stem)
         if not truth.exists():
-            text, states, drawn = _drawn(kind, k, seed, pressing)
+            text, states, drawn = _drawn(kind, k, seed, pressing, engine)
             urdf.write_text(text)
             write_arm_recording(recording, ArmDynamics(text).joints, states)
             truth.write_text(json.dumps(drawn, indent=1) + '\n')
@@ -259,7 +295,7 @@ def _with_contact(report: dict[str, Any], recording: Path, urdf: Path) -> dict[s
         'environment.location': _SURFACE - float(
             dynamics.pose(np.array(PRESSING[dynamics.model.name]), TIP)[1][2])})
     contact = contact_dict(diagnose_contact([recording], urdf, nominal, parameters={
-        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': [0.0, 0.0, -1.0]}))
+        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': _DOWN.tolist()}))
     names = [{**one, 'joints': [], 'link': None, 'place': 'the wall'}
              for one in contact['effects']]
     bad = 'unexplained' in (report['verdict'], contact['verdict'])
