@@ -172,6 +172,7 @@ def test_the_likely_family_is_named_with_laws_alike() -> None:
     ([scored(1.0), scored(0.9, 'a')], []),
     ([scored(300.0), *(scored(3.0, one) for one in 'abc')], []),  # no family is likely
     ([scored(3e3), scored(1.9, 'a'), scored(2e3, 'b'), scored(1.0, 'a', 'b')], ['a']),  # a trifle
+    ([scored(300.0), scored([3.0, 3.0, 3.0, 3.0, 900.0], 'a')], []),  # worse on one part
 ])
 def test_what_is_unlikely_or_little_is_not_named(models: list[Scored], names: list[str]) -> None:
     assert [one for one, _ in named(*models)] == names

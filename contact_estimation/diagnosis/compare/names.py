@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Callable, NamedTuple, Sequence
 
 from .beam import Compared
@@ -91,15 +92,20 @@ def _as_ideal(evidence: Evidence, model: Scored, other: Scored) -> bool:
 
 
 def _worth(compared: Compared, named: Named, without: Without) -> Named:
-    """Drop names of which the share is too little: of laws, that of what the zeros leave."""
+    """
+    Drop names of which the share is too little, or not above 0 with 95 % over the parts.
+
+    What is little of a law is told by what the zeros leave.
+    """
     evidence = compared.evidence
     c = evidence.constants
     least = c.worth_exact if evidence.is_exact(named.model) else c.worth
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
-    little = [effect for effect, part in told.items()
-              if part.share.share < least * (1.0 if effect in ZEROS else of_laws)]
+    little = [effect for effect, (share, *_) in told.items()
+              if share.share < least * (1.0 if effect in ZEROS else of_laws)
+              or -inf < share.interval[0] <= 0.0]
     fewer = _dropped(compared, named, little, without) if little else None
     if fewer is not None:
         return _worth(compared, fewer, without)
