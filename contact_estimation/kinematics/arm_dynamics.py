@@ -25,20 +25,10 @@ _PLACEHOLDER_KG, _PLACEHOLDER_KGM2 = 0.05, 1e-9  # no arm's heaviest link is lig
 
 
 class Outside(NamedTuple):
-    """
-    What acts on an arm from outside, as a sensor of force and torque measures it.
+    """What acts on an arm from outside, as a sensor of force and torque measures it."""
 
-    Attributes
-    ----------
-    frame : str
-        Link in whose axes, and at whose origin, the wrench is measured.
-    wrench : ndarray, shape (N, 6)
-        Of the environment on the arm: force [N], then torque [N m].
-
-    """
-
-    frame: str
-    wrench: Array
+    frame: str  # link in whose axes, and at whose origin, the wrench is measured
+    wrench: Array  # (N, 6) of the environment on the arm: force [N], then torque [N m]
 
 
 class ArmDynamics:
@@ -48,19 +38,12 @@ class ArmDynamics:
     Joints of the description that are not named are locked at 0. Featherstone, Rigid Body Dynamics
     Algorithms, 2008, chapter 5.
 
-    Attributes
-    ----------
-    joints, links : tuple of str
-        The joints from base to tip, and the link that each of them moves.
-    neutral : ndarray, shape (10 n,)
-        Parameters of all links of the description, see `PER_LINK`; what a locked joint carries
-        belongs to the link below.
-    friction, damping, armature : ndarray, shape (n,)
-        Of the joints, as <dynamics> of the description has them [N m], [N m s/rad], [kg m^2]; 0
-        where it has not. No method but `momentum` uses the armature.
-    model, data : pinocchio.Model, pinocchio.Data
-        As of Pinocchio.
-
+    joints, links: the joints from base to tip, and the link that each of them moves
+    neutral (10 n,): parameters of all links of the description, see `PER_LINK`; what a locked
+    joint carries belongs to the link below
+    friction, damping, armature (n,): of the joints, as <dynamics> of the description has them [N
+    m], [N m s/rad], [kg m^2]; 0 where it has not. No method but `momentum` uses the armature
+    model, data: as of Pinocchio
     """
 
     def __init__(self, urdf: str, joints: Sequence[str] | None = None) -> None:
@@ -120,16 +103,9 @@ class ArmDynamics:
         """
         Return RNEA(q, q', q'') along a motion.
 
-        Parameters
-        ----------
-        q, v, a : ndarray, shape (N, n)
-            Positions, velocities and accelerations of the joints [rad], [rad/s], [rad/s^2].
-
-        Returns
-        -------
-        tau : ndarray, shape (N, n)
-            Torques [N m].
-
+        q, v, a (N, n): positions, velocities and accelerations of the joints [rad], [rad/s],
+        [rad/s^2]
+        Returns tau (N, n): torques [N m]
         """
         rnea, model, data = self._library.rnea, self.model, self.data
         return np.array([rnea(model, data, self.configuration(x), y, z)
@@ -167,20 +143,10 @@ class ArmDynamics:
         O. Khatib, A unified approach for motion and force control of robot manipulators, IEEE J.
         Robotics and Automation 3(1), 1987, eq. (19).
 
-        Parameters
-        ----------
-        q : ndarray, shape (N, n)
-            [rad].
-        frame : str
-            A link.
-        normal : ndarray, shape (3,)
-            Unit vector in axes of the root.
-
-        Returns
-        -------
-        mass : ndarray, shape (N,)
-            [kg].
-
+        q (N, n): [rad]
+        frame: A link
+        normal (3,): unit vector in axes of the root
+        Returns mass (N,): [kg]
         """
         along = np.einsum('nij,j->ni', self.axes(q, frame).transpose(0, 2, 1), normal)
         rows = np.einsum('nij,ni->nj', self.jacobian(q, frame)[:, :3], along)
@@ -219,13 +185,9 @@ class ArmDynamics:
         """
         Return the generalised momentum and its rate at one instant.
 
-        Returns
-        -------
-        p : ndarray, shape (n,)
-            (M + diag(armature)) q'.
-        rate : ndarray, shape (n,)
-            C^T q' - g: p' without the torques on the joints, since M' = C + C^T [N m].
-
+        Returns p (n,): (M + diag(armature)) q'
+        Returns rate (n,): c^T q' - g: p' without the torques on the joints, since M' = C + C^T [N
+        m]
         """
         pin, x = self._library, self.configuration(q)
         M = self._inertia(x)

@@ -42,21 +42,12 @@ def read_blocks(
     """
     Read the blocks of a recording.
 
-    Parameters
-    ----------
-    reader : RecordingReader
-        The recording.
-    source : RecordingSource
-        Its topics.
-    model : RobotModel
-        Its tip is the frame of the wrench, its base has z up.
-    force_sign : float
-        -1 where the driver publishes the wrench that the robot applies.
-    mount : ndarray, shape (3, 3)
-        Turns the axes of the wrench into those of the model's tip.
-    base : str
-        Link in whose axes the wrench is expressed; '' for those of the sensor.
-
+    reader: the recording
+    source: its topics
+    model: its tip is the frame of the wrench, its base has z up
+    force_sign: -1 where the driver publishes the wrench that the robot applies
+    mount (3, 3): turns the axes of the wrench into those of the model's tip
+    base: link in whose axes the wrench is expressed; '' for those of the sensor
     """
     wrench_ns, wrench, joints = _read(reader, source, model.joint_names)
     begin = max(wrench_ns[0], *(times[0] for times, _ in joints))

@@ -22,55 +22,28 @@ Array = NDArray[np.float64]
 
 
 class ArmSample(NamedTuple):
-    """
-    Joints and wrench of an arm at one instant.
+    """Joints and wrench of an arm at one instant."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Header stamp of the wrench [ns].
-    motion : sequence of float
-        q of the n joints [rad] or [m], then q_dot, NaN where not measured.
-    wrench : sequence of float
-        Force [N] and torque [N m] as measured, in the sensor's frame.
-
-    """
-
-    stamp_ns: int
-    motion: Sequence[float]
-    wrench: Sequence[float]
+    stamp_ns: int  # header stamp of the wrench [ns]
+    motion: Sequence[float]  # q of the n joints [rad] or [m], then q_dot, NaN where not measured
+    wrench: Sequence[float]  # force [N] and torque [N m] as measured, in the sensor's frame
 
 
 class ArmState(NamedTuple):
-    """
-    What the joints and the wrench of one instant amount to.
+    """What the joints and the wrench of one instant amount to."""
 
-    Attributes
-    ----------
-    R, p : ndarray, shapes (3, 3) and (3,)
-        Pose of the tip in the base frame [m].
-    normal : ndarray, shape (3,)
-        Unit vector into the wall, in the base frame.
-    wrench : ndarray, shape (6,)
-        Without the weight of the tool and the zero of the sensor, in the sensor's frame [N],
-        [N m].
-    twist : tuple of ndarray, shapes (3,)
-        Velocity of the tip's origin [m/s] and angular velocity of the tip [rad/s], in the base
-        frame; NaN where joints have no measured velocity.
-    R_sensor : ndarray, shape (3, 3)
-        Axes of the sensor in the base frame.
-    sensor : ndarray, shape (3,)
-        Origin of the sensor in the tip's frame [m].
-
-    """
-
+    # R, p: pose of the tip in the base frame [m]
     R: Array
     p: Array
-    normal: Array
+    normal: Array  # (3,) unit vector into the wall, in the base frame
+    # (6,) without the weight of the tool and the zero of the sensor, in the sensor's frame [N], [N
+    # m]
     wrench: Array
+    # velocity of the tip's origin [m/s] and angular velocity of the tip [rad/s], in the base
+    # frame; NaN where joints have no measured velocity
     twist: tuple[Array, Array]
-    R_sensor: Array
-    sensor: Array
+    R_sensor: Array  # (3, 3) axes of the sensor in the base frame
+    sensor: Array  # (3,) origin of the sensor in the tip's frame [m]
 
 
 _NOT_MEASURED = np.full(3, nan), np.full(3, nan)
@@ -87,32 +60,16 @@ class ContactKinematics:
     A normal given in the tip's frame follows the tip while `held` is False, and stays as it is in
     the base frame while `held` is True: in contact, so that x is one coordinate.
 
-    Parameters
-    ----------
-    model : RobotModel or TransformModel
-        From base to tip.
-    contact : ContactParameters
-        Normal and point.
-    tool : ToolParameters
-        Load of the tool on the sensor.
-    force_sign : float
-        -1 where the driver publishes the wrench that the robot applies.
-    mount : sequence of float
-        Roll, pitch and yaw of the sensor's axes in its link [rad].
-    in_base : bool
-        Whether the driver expresses the wrench in axes of the base instead.
-
-    Attributes
-    ----------
-    model : RobotModel or TransformModel
-        As given.
-    state : ArmState or None
-        Of the last sample.
-    held : bool
-        See above.
-    sensor : str
-        Link in whose axes the wrench is measured, see `use_sensor`; '' before.
-
+    model: from base to tip
+    contact: normal and point
+    tool: load of the tool on the sensor
+    force_sign: -1 where the driver publishes the wrench that the robot applies
+    mount: roll, pitch and yaw of the sensor's axes in its link [rad]
+    in_base: whether the driver expresses the wrench in axes of the base instead
+    model: as given
+    state: of the last sample
+    held: see above
+    sensor: link in whose axes the wrench is measured, see `use_sensor`; '' before
     """
 
     def __init__(
@@ -145,15 +102,9 @@ class ContactKinematics:
         """
         Set the link in whose axes the wrench is measured.
 
-        Parameters
-        ----------
-        frame : str
-            A link of the description.
-        mounting : ndarray, shape (3, 3), optional
-            Axes of the sensor in that link; those of the link by default.
-        offset : ndarray, shape (3,), optional
-            Origin of the sensor in that link [m]; that of the link by default.
-
+        frame: A link of the description
+        mounting (3, 3): axes of the sensor in that link; those of the link by default
+        offset (3,): origin of the sensor in that link [m]; that of the link by default
         """
         fixed = self.model.in_tip(frame)
         self._axes = self._mount if mounting is None else mounting @ self._mount
@@ -184,11 +135,7 @@ class ContactKinematics:
         """
         Return the force of the last sample in axes of the wall.
 
-        Returns
-        -------
-        components : tuple of float
-            That along the normal, and two along the wall [N].
-
+        Returns components: that along the normal, and two along the wall [N]
         """
         if self._wall is None:
             self._wall = axes_of_wall(self._normal)
@@ -199,13 +146,8 @@ class ContactKinematics:
         """
         Return the pose of the tip, and x and v of the contact.
 
-        Returns
-        -------
-        R, p : ndarray, shapes (3, 3) and (3,)
-            Pose of the tip in the base frame [m].
-        x, v : float
-            Position [m] and velocity [m/s] along the normal.
-
+        Returns R, p: pose of the tip in the base frame [m]
+        Returns x, v: position [m] and velocity [m/s] along the normal
         """
         count = len(motion) // 2
         q, q_dot = np.array(motion[:count], float), np.array(motion[count:], float)
@@ -246,17 +188,9 @@ def axes_of_wall(normal: Array) -> Array:
     """
     Return axes of which the first is the normal.
 
-    Parameters
-    ----------
-    normal : ndarray, shape (3,)
-        Unit vector.
-
-    Returns
-    -------
-    axes : ndarray, shape (3, 3)
-        Right-handed, one a row; the second is normal to the axis of the base that is most nearly
-        along the wall.
-
+    normal (3,): unit vector
+    Returns axes (3, 3): right-handed, one a row; the second is normal to the axis of the base that
+    is most nearly along the wall
     """
     along = cross_matrix(normal) @ np.eye(3)[int(np.argmin(np.abs(normal)))]
     along /= np.linalg.norm(along)

@@ -13,36 +13,19 @@ from ..messages.transforms import StampedTransform
 
 
 class Step(NamedTuple):
-    """
-    One step between frames.
+    """One step between frames."""
 
-    Attributes
-    ----------
-    child : str
-        A frame whose pose in its parent moves; '' for fixed steps.
-    up : bool
-        True from the child to its parent, so that the pose applies inverted.
-    pose : sequence of float
-        Of a fixed step, in the direction of the step.
-
-    """
-
-    child: str
-    up: bool
-    pose: Pose
+    child: str  # A frame whose pose in its parent moves; '' for fixed steps
+    up: bool  # true from the child to its parent, so that the pose applies inverted
+    pose: Pose  # of a fixed step, in the direction of the step
 
 
 class FrameTree:
     """
     Frames, their parents, and the poses of those that are fixed.
 
-    Attributes
-    ----------
-    fixed : dict of str to (str, sequence of float)
-        Parent and pose of each child of /tf_static, as received.
-    moving : dict of str to str
-        Parent of each child of /tf.
-
+    fixed: parent and pose of each child of /tf_static, as received
+    moving: parent of each child of /tf
     """
 
     def __init__(self) -> None:

@@ -29,13 +29,8 @@ class MovingFrames:
     The sign of each quaternion is that of the one before it, so that numbers may be interpolated;
     `TransformModel` takes them to unit length again.
 
-    Parameters
-    ----------
-    frames : sequence of str
-        The child frames, in the order of the rows.
-    time_jump_s : float
-        A transform older than the last by more than this is a backward clock jump [s].
-
+    frames: the child frames, in the order of the rows
+    time_jump_s: A transform older than the last by more than this is a backward clock jump [s]
     """
 
     def __init__(self, frames: Sequence[str], time_jump_s: float) -> None:
@@ -53,11 +48,7 @@ class MovingFrames:
         """
         Add the transforms of a message.
 
-        Returns
-        -------
-        rows : list of (int, tuple of float)
-            Stamp [ns], and 7 numbers of each frame.
-
+        Returns rows: stamp [ns], and 7 numbers of each frame
         """
         added = False
         for stamp_ns, _, child, pose in transforms:

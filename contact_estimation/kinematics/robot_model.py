@@ -25,18 +25,11 @@ class RobotModel:
     Joints of the description that do not move the tip relative to the base (fingers, a second arm)
     need not be known and do not appear.
 
-    Attributes
-    ----------
-    base, tip : str
-        As given.
-    joint_names : tuple of str
-        The n joints between base and tip, in the order of q.
-    continuous : tuple of bool
-        For each joint, whether it turns without limits, so that its position is an angle modulo
-        2 pi.
-    root_axes : ndarray, shape (3, 3)
-        Axes of the base in the root of the description, whose z points up.
-
+    base, tip: as given
+    joint_names: the n joints between base and tip, in the order of q
+    continuous: for each joint, whether it turns without limits, so that its position is an angle
+    modulo 2 pi
+    root_axes (3, 3): axes of the base in the root of the description, whose z points up
     """
 
     def __init__(self, urdf: str, base: str, tip: str) -> None:
@@ -101,20 +94,10 @@ class RobotModel:
         """
         Return the pose of a frame in the base frame.
 
-        Parameters
-        ----------
-        q : sequence of float or ndarray, shape (n,)
-            Positions of the joints [rad] or [m].
-        frame : str, optional
-            A link; the tip by default.
-
-        Returns
-        -------
-        R : ndarray, shape (3, 3)
-            Its axes as columns: a vector f of the frame is R f in the base frame.
-        p : ndarray, shape (3,)
-            Its origin [m].
-
+        q (n,): positions of the joints [rad] or [m]
+        frame: A link; the tip by default
+        Returns R (3, 3): its axes as columns: a vector f of the frame is R f in the base frame
+        Returns p (3,): its origin [m]
         """
         place = self._tip if frame is None else self._place(frame)
         self._library.forwardKinematics(self._model, self._data, self._configuration(q))
@@ -128,20 +111,10 @@ class RobotModel:
 
         The velocities are J(q) q_dot with `jacobian`, at the cost of one recursion.
 
-        Parameters
-        ----------
-        q, q_dot : sequence of float or ndarray, shape (n,)
-            Positions and velocities of the joints [rad], [rad/s] or [m], [m/s].
-
-        Returns
-        -------
-        R, p : ndarray, shapes (3, 3) and (3,)
-            As `pose`.
-        p_dot : ndarray, shape (3,)
-            Velocity of the tip's origin [m/s].
-        omega : ndarray, shape (3,)
-            Angular velocity of the tip [rad/s].
-
+        q, q_dot (n,): positions and velocities of the joints [rad], [rad/s] or [m], [m/s]
+        Returns R, p: as `pose`
+        Returns p_dot (3,): velocity of the tip's origin [m/s]
+        Returns omega (3,): angular velocity of the tip [rad/s]
         """
         pin, model, data = self._library, self._model, self._data
         pin.forwardKinematics(model, data, self._configuration(q), np.asarray(q_dot, float))
@@ -155,19 +128,10 @@ class RobotModel:
         """
         Return the Jacobian of a frame's origin in base axes.
 
-        Parameters
-        ----------
-        q : sequence of float or ndarray, shape (n,)
-            Positions of the joints [rad] or [m].
-        frame : str, optional
-            A link; the tip by default.
-
-        Returns
-        -------
-        J : ndarray, shape (6, n)
-            J q_dot is the velocity of the frame's origin [m/s], then its angular velocity
-            [rad/s].
-
+        q (n,): positions of the joints [rad] or [m]
+        frame: A link; the tip by default
+        Returns J (6, n): j q_dot is the velocity of the frame's origin [m/s], then its angular
+        velocity [rad/s]
         """
         place = self._tip if frame is None else self._place(frame)
         J = self._library.computeFrameJacobian(
@@ -178,11 +142,8 @@ class RobotModel:
         """
         Return the pose of a frame that is fixed to the tip.
 
-        Returns
-        -------
-        R, p : ndarray, shapes (3, 3) and (3,), or None
-            Its axes and origin [m] in the tip's frame; None where a joint lies between them.
-
+        Returns R, p: its axes and origin [m] in the tip's frame; None where a joint lies between
+        them
         """
         other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))
         if other.parentJoint != tip.parentJoint:

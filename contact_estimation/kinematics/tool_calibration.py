@@ -35,58 +35,30 @@ _LEAST_SPREAD = 0.15  # standard deviation of gravity's direction: about 9 degre
 
 
 class CalibrationBlocks(NamedTuple):
-    """
-    Mean wrenches and regressors of blocks of a recording, in the order of time.
+    """Mean wrenches and regressors of blocks of a recording, in the order of time."""
 
-    Attributes
-    ----------
-    f : ndarray, shape (N, 3)
-        Weight per mass less the acceleration, in the sensor's frame [m/s^2].
-    Phi : ndarray, shape (N, 6, 10)
-        As of `load_regressor`.
-    wrench : ndarray, shape (N, 6)
-        Mean force [N] and torque [N m].
-    slow : ndarray of bool, shape (N,)
-        Whether the motion is slow enough.
-
-    """
-
-    f: Array
-    Phi: Array
-    wrench: Array
-    slow: np.ndarray
+    f: Array  # (N, 3) weight per mass less the acceleration, in the sensor's frame [m/s^2]
+    Phi: Array  # (N, 6, 10) as of `load_regressor`
+    wrench: Array  # (N, 6) mean force [N] and torque [N m]
+    slow: np.ndarray  # (N,) whether the motion is slow enough
 
 
 @dataclass(frozen=True)
 class ToolCalibration:
-    """
-    A tool with its uncertainty.
+    """A tool with its uncertainty."""
 
-    Attributes
-    ----------
-    tool : ToolParameters
-        Mass, centre and biases.
-    mass_std : float
-        Standard deviation of the mass [kg].
-    centre_std, force_bias_std, torque_bias_std : ndarray, shape (3,)
-        Standard deviations [m], [N], [N m].
-    force_rms, torque_rms : float
-        Residuals between poses [N], [N m].
-    poses : int
-        Number of poses used.
-    blocks, fast, contact : int
-        Number of blocks in all, and of those left out for fast motion or contact.
-
-    """
-
-    tool: ToolParameters
-    mass_std: float
+    tool: ToolParameters  # mass, centre and biases
+    mass_std: float  # standard deviation of the mass [kg]
+    # centre_std, force_bias_std, torque_bias_std (3,): standard deviations [m], [N], [N m]
     centre_std: Array
     force_bias_std: Array
     torque_bias_std: Array
+    # force_rms, torque_rms: residuals between poses [N], [N m]
     force_rms: float
     torque_rms: float
-    poses: int
+    poses: int  # number of poses used
+    # blocks, fast, contact: number of blocks in all, and of those left out for fast motion or
+    # contact
     blocks: int
     fast: int
     contact: int
@@ -240,11 +212,7 @@ def require_directions(f: Array) -> None:
     torque m c x d separates the centre along u from the torque's bias where d varies across u.
     So the variation must span two directions.
 
-    Parameters
-    ----------
-    f : ndarray, shape (N, 3)
-        Weight per mass in the sensor's frame [m/s^2].
-
+    f (N, 3): weight per mass in the sensor's frame [m/s^2]
     """
     directions = f / np.linalg.norm(f, axis=1, keepdims=True)
     mean = directions.mean(axis=0)

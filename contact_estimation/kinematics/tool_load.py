@@ -73,18 +73,10 @@ def specific_force(R: Array, acceleration: Array | None = None) -> Array:
     """
     Compute f = R^T (g - a): the weight per mass as the sensor feels it.
 
-    Parameters
-    ----------
-    R : ndarray, shape (..., 3, 3)
-        Orientation of the sensor: turns its frame into one whose z points up.
-    acceleration : ndarray, shape (..., 3), optional
-        Of the sensor's origin, in the frame whose z points up [m/s^2]; none by default.
-
-    Returns
-    -------
-    f : ndarray, shape (..., 3)
-        In the sensor's frame [m/s^2].
-
+    R (..., 3, 3): orientation of the sensor: turns its frame into one whose z points up
+    acceleration (..., 3): of the sensor's origin, in the frame whose z points up [m/s^2]; none by
+    default
+    Returns f (..., 3): in the sensor's frame [m/s^2]
     """
     rest = _G if acceleration is None else _G - acceleration
     return np.einsum('...ji,...j->...i', R, rest)
@@ -94,19 +86,11 @@ def load_regressor(f: Array, w: Array | None = None, alpha: Array | None = None)
     """
     Compute the matrix that turns (m, m c, b_F, b_T) into the wrench of the tool.
 
-    Parameters
-    ----------
-    f : ndarray, shape (..., 3)
-        As of `specific_force` [m/s^2].
-    w, alpha : ndarray, shape (..., 3), optional
-        Angular velocity [rad/s] and acceleration [rad/s^2] of the sensor in its own frame; 0 by
-        default.
-
-    Returns
-    -------
-    Phi : ndarray, shape (..., 6, 10)
-        Rows: force and torque; columns: m [kg], m c [kg m], b_F [N], b_T [N m].
-
+    f (..., 3): as of `specific_force` [m/s^2]
+    w, alpha (..., 3): angular velocity [rad/s] and acceleration [rad/s^2] of the sensor in its own
+    frame; 0 by default
+    Returns Phi (..., 6, 10): rows: force and torque; columns: m [kg], m c [kg m], b_F [N], b_T [N
+    m]
     """
     Phi = np.zeros((*f.shape[:-1], 6, 10))
     Phi[..., :3, 0] = f
@@ -131,13 +115,8 @@ def load_map(tool: ToolParameters) -> tuple[Array, Array]:
     """
     Return the load as an affine function of f, for compensation sample by sample.
 
-    Returns
-    -------
-    L : ndarray, shape (6, 3)
-        The wrench of the tool without rotation is L f + bias [kg], [kg m].
-    bias : ndarray, shape (6,)
-        Zero of the sensor [N], [N m].
-
+    Returns L (6, 3): the wrench of the tool without rotation is L f + bias [kg], [kg m]
+    Returns bias (6,): zero of the sensor [N], [N m]
     """
     theta = load_vector(tool)
     bias = load_regressor(np.zeros(3)) @ theta
@@ -151,12 +130,8 @@ def tool_wrench(
     """
     Compute what a sensor reads that nothing touches.
 
-    Returns
-    -------
-    wrench : ndarray, shape (..., 6)
-        Force [N] and torque about the sensor's origin [N m], in the sensor's frame. The measured
-        wrench less this one is (F_e, T_e).
-
+    Returns wrench (..., 6): force [N] and torque about the sensor's origin [N m], in the sensor's
+    frame. The measured wrench less this one is (F_e, T_e)
     """
     return load_regressor(specific_force(R, acceleration), w, alpha) @ load_vector(tool)
 

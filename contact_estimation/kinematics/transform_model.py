@@ -25,17 +25,10 @@ class TransformModel:
     It stands in place of a `RobotModel`: q are the poses of the moving frames of the chain, 7
     numbers each, as `MovingFrames` gives them. Velocities are not known.
 
-    Attributes
-    ----------
-    base, tip : str
-        As given.
-    joint_names : tuple of str
-        The moving frames between base and tip, in the order of q.
-    root : str
-        Highest frame that static transforms connect with the base; its z points up.
-    root_axes : ndarray, shape (3, 3)
-        Axes of the base in it.
-
+    base, tip: as given
+    joint_names: the moving frames between base and tip, in the order of q
+    root: highest frame that static transforms connect with the base; its z points up
+    root_axes (3, 3): axes of the base in it
     """
 
     def __init__(self, tree: FrameTree, base: str, tip: str) -> None:
@@ -66,18 +59,9 @@ class TransformModel:
         """
         Return the pose of a frame in the base frame.
 
-        Parameters
-        ----------
-        q : sequence of float or ndarray, shape (7 n,)
-            Poses of the moving frames.
-        frame : str, optional
-            A frame; the tip by default.
-
-        Returns
-        -------
-        R, p : ndarray, shapes (3, 3) and (3,)
-            Its axes as columns, and its origin [m].
-
+        q (7 n,): poses of the moving frames
+        frame: A frame; the tip by default
+        Returns R, p: its axes as columns, and its origin [m]
         """
         pose = self._product(self._steps_to(frame or self.tip), np.asarray(q).tolist())
         return matrix_of(pose), np.array(pose[:3])
@@ -93,12 +77,8 @@ class TransformModel:
         """
         Return the pose of a frame that is fixed to the tip.
 
-        Returns
-        -------
-        R, p : ndarray, shapes (3, 3) and (3,), or None
-            Its axes and origin [m] in the tip's frame; None where a moving frame lies between
-            them.
-
+        Returns R, p: its axes and origin [m] in the tip's frame; None where a moving frame lies
+        between them
         """
         self._steps_to(frame)
         steps = self._tree.path(self.tip, frame) or []

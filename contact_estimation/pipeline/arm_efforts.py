@@ -27,11 +27,7 @@ class EffortDecoder:
     """
     Turn raw joint states with efforts into motions and wrenches at the contact.
 
-    Attributes
-    ----------
-    torques : JointTorques
-        Of the arm.
-
+    torques: of the arm
     """
 
     def __init__(

@@ -59,26 +59,14 @@ class Joints(NamedTuple):
 
 
 class ContactWrench(NamedTuple):
-    """
-    Motion and wrench in the middle of a window.
+    """Motion and wrench in the middle of a window."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Of the middle [ns].
-    motion : ndarray, shape (2 n,)
-        Means of q, then of q'.
-    wrench : ndarray, shape (6,)
-        Force [N] and torque about the tip's origin [N m] on the arm, in the tip's axes.
-    errors : ndarray, shape (3, n + 1)
-        Errors of the force in axes of the base, each of one standard deviation [N]: of the
-        friction of each joint, and of the inertia.
-
-    """
-
-    stamp_ns: int
-    motion: Array
+    stamp_ns: int  # of the middle [ns]
+    motion: Array  # (2 n,) means of q, then of q'
+    # (6,) force [N] and torque about the tip's origin [N m] on the arm, in the tip's axes
     wrench: Array
+    # (3, n + 1) errors of the force in axes of the base, each of one standard deviation [N]: of
+    # the friction of each joint, and of the inertia
     errors: Array
 
 
@@ -86,28 +74,14 @@ class JointTorques:
     """
     Observe the external torques of an arm, and the wrench at its contact.
 
-    Parameters
-    ----------
-    urdf : str
-        Description with masses, friction and damping.
-    model : RobotModel
-        From base to tip.
-    point : ndarray, shape (3,)
-        Where the tip touches, in its frame [m].
-    model_std : float
-        Relative standard deviation of friction and inertia of the description.
-    effort_sign : float
-        -1 where the driver publishes the torque of the joints on the motors.
-    longest_gap_s : float
-        Between joint states, beyond which a window begins anew [s].
-
-    Attributes
-    ----------
-    arm : ArmDynamics
-        Of the joints between base and tip.
-    external : ndarray, shape (n,)
-        tau_ext of the last window [N m].
-
+    urdf: description with masses, friction and damping
+    model: from base to tip
+    point (3,): where the tip touches, in its frame [m]
+    model_std: relative standard deviation of friction and inertia of the description
+    effort_sign: -1 where the driver publishes the torque of the joints on the motors
+    longest_gap_s: between joint states, beyond which a window begins anew [s]
+    arm: of the joints between base and tip
+    external (n,): tau_ext of the last window [N m]
     """
 
     def __init__(

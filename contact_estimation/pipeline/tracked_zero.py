@@ -29,20 +29,9 @@ def tracked_zero(
     each half second of it the zero is interpolated: unlike on line, also the later free flight is
     known.
 
-    Parameters
-    ----------
-    stamp_ns : ndarray of int64, shape (N,)
-        Stamps [ns].
-    x, force : ndarray, shape (N,)
-        Position along the normal [m] and F_e [N].
-    parameters : EstimationParameters
-        Of the contact axis, with `force_sensor.zero: tracked`.
-
-    Raises
-    ------
-    RecordingError
-        If the force is never that of free flight.
-
+    stamp_ns (N,): stamps [ns]
+    x, force (N,): position along the normal [m] and F_e [N]
+    parameters: of the contact axis, with `force_sensor.zero: tracked`
     """
     pipeline = EstimationPipeline(parameters)
     found = pipeline.process(map(ContactSample, stamp_ns.tolist(), x.tolist(),

@@ -34,31 +34,17 @@ _SILENT = 0.5  # share of samples of no effort, from which on a joint is one tha
 
 @dataclass(frozen=True, eq=False)
 class ArmRecording:
-    """
-    A recording of an arm with n joints.
+    """A recording of an arm with n joints."""
 
-    Attributes
-    ----------
-    name : str
-        Of the file.
-    joints : tuple of str
-        As recorded.
-    t : ndarray, shape (N,)
-        Stamps [s], increasing, from the first.
-    q, v, tau : ndarray, shape (N, n)
-        Positions [rad], velocities [rad/s] and efforts [N m]; NaN where not published.
-    wrench : ArmWrench, optional
-        Of the contact.
-
-    """
-
-    name: str
-    joints: tuple[str, ...]
-    t: Array
+    name: str  # of the file
+    joints: tuple[str, ...]  # as recorded
+    t: Array  # (N,) stamps [s], increasing, from the first
+    # q, v, tau (N, n): positions [rad], velocities [rad/s] and efforts [N m]; NaN where not
+    # published
     q: Array
     v: Array
     tau: Array
-    wrench: ArmWrench | None = None
+    wrench: ArmWrench | None = None  # of the contact
 
     @property
     def has_effort(self) -> Flags:
@@ -92,15 +78,10 @@ def read_arm_recording(
     """
     Read the joint states of a whole arm, and its wrenches if there are any.
 
-    Parameters
-    ----------
-    path : str or path-like
-        Recording.
-    topics : mapping of str to str, optional
-        Recorded topics by 'joint_states' and 'wrench'; these names by default.
-    parameters : mapping, optional
-        Parameters of `estimator_node` by dotted name, of which those of sensor and tool are used.
-
+    path: recording
+    topics: recorded topics by 'joint_states' and 'wrench'; these names by default
+    parameters: parameters of `estimator_node` by dotted name, of which those of sensor and tool
+    are used
     """
     source = RecordingSource.of_topics(topics or {})
     reader = RecordingReader(str(path), source)

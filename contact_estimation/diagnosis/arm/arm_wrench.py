@@ -23,22 +23,11 @@ _PRESSING = 90.0  # percentile of the force, beyond which its direction is the n
 
 @dataclass(frozen=True, eq=False)
 class ArmWrench:
-    """
-    Measured wrenches of an arm at the times of its joint states.
+    """Measured wrenches of an arm at the times of its joint states."""
 
-    Attributes
-    ----------
-    frame : str
-        Link of the sensor.
-    measured : ndarray, shape (N, 6)
-        As published [N], [N m].
-    parameters : EstimationParameters
-        Of sensor and tool: `force_sign`, `force_sensor.*`, `tool.*`.
-
-    """
-
-    frame: str
-    measured: Array
+    frame: str  # link of the sensor
+    measured: Array  # (N, 6) as published [N], [N m]
+    # of sensor and tool: `force_sign`, `force_sensor.*`, `tool.*`
     parameters: EstimationParameters
 
     def outside(self, arm: ArmDynamics, q: Array) -> Outside:

@@ -49,42 +49,24 @@ Columns = dict[Term, dict[int, Array]]
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """
-    A stretch of a recording, filtered and decimated to M samples.
+    """A stretch of a recording, filtered and decimated to M samples."""
 
-    Attributes
-    ----------
-    file : int
-        Number of its recording.
-    t : ndarray, shape (M,)
-        From the recording's first sample [s].
-    q, v, tau, residual : ndarray, shape (M, n)
-        Positions, velocities, torques, and torques less those of the description.
-    felt, felt_noise : ndarray, shapes (M, n), (n,)
-        Torque of what acts on the arm, and mean square of its noise, part of `noise`.
-    outside : Outside or None
-        What acts on the arm.
-    noise : ndarray, shape (n,)
-        Mean square of white noise that passes the filter, by the power beyond it.
-    moving : ndarray of bool, shape (M, n)
-        Where a joint moves, so that its friction is what its velocity tells.
-    columns : dict
-        Torque per coefficient of each term, by joint, (M, K).
-
-    """
-
-    file: int
-    t: Array
+    file: int  # number of its recording
+    t: Array  # (M,) from the recording's first sample [s]
+    # q, v, tau, residual (M, n): positions, velocities, torques, and torques less those of the
+    # description
     q: Array
     v: Array
     tau: Array
     residual: Array
-    noise: Array
-    moving: Flags
-    columns: Columns
+    noise: Array  # (n,) mean square of white noise that passes the filter, by the power beyond it
+    moving: Flags  # (M, n) where a joint moves, so that its friction is what its velocity tells
+    columns: Columns  # torque per coefficient of each term, by joint, (M, K)
+    # felt, felt_noise: torque of what acts on the arm, and mean square of its noise, part of
+    # `noise`
     felt: Array
     felt_noise: Array
-    outside: Outside | None = None
+    outside: Outside | None = None  # what acts on the arm
 
 
 class _Stretch(NamedTuple):
@@ -146,17 +128,10 @@ class Channels:
     """
     All pieces of some recordings of one arm.
 
-    Attributes
-    ----------
-    measured : list of int
-        Joints whose torque is known.
-    pieces : list of Piece
-        In time.
-    cut_off : float
-        Of the filter of torques and columns [Hz].
-    terms : list of Term
-        All laws at all places.
-
+    measured: joints whose torque is known
+    pieces: in time
+    cut_off: of the filter of torques and columns [Hz]
+    terms: all laws at all places
     """
 
     def __init__(
@@ -274,11 +249,7 @@ class Channels:
         """
         Return what a fitted model adds to RNEA along a piece.
 
-        Returns
-        -------
-        torque : ndarray, shape (M,)
-            [N m].
-
+        Returns torque (M,): [N m]
         """
         torque = self.regressor(piece, j) @ fitted.calibration
         for term, theta in fitted.zeros.items():

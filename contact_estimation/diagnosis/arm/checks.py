@@ -30,26 +30,12 @@ _BEYOND = 1.2  # times a limit
 
 @dataclass(frozen=True)
 class ArmCheck:
-    """
-    The result of a check.
+    """The result of a check."""
 
-    Attributes
-    ----------
-    name : str
-        Such as 'torque_sign'.
-    ok : bool
-        False if something is to be corrected.
-    text : str
-        Measured, expected and what to change.
-    fatal : bool
-        Whether nothing can be diagnosed before that.
-
-    """
-
-    name: str
-    ok: bool
-    text: str
-    fatal: bool = True
+    name: str  # such as 'torque_sign'
+    ok: bool  # false if something is to be corrected
+    text: str  # measured, expected and what to change
+    fatal: bool = True  # whether nothing can be diagnosed before that
 
 
 def check_description(arm: ArmDynamics) -> ArmCheck:

@@ -33,19 +33,12 @@ def diagnose_contact(
     F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v), with K_e' and B_e' by 1 + K_e C too small, and
     x_e off by how far the arm sags. The compliance is listed beside both.
 
-    Parameters
-    ----------
-    paths, held_out : sequence of path
-        Recordings to fit and to test on.
-    urdf_file : path
-        Robot description.
-    nominal : PlantParameters
-        Of which environment and physics are used.
-    topics, parameters : mapping, optional
-        As of `read_recording`; `kinematics.*` and `contact.normal` must be given or recorded.
-    seed, progress
-        As of `diagnose`.
-
+    paths, held_out: recordings to fit and to test on
+    urdf_file: robot description
+    nominal: of which environment and physics are used
+    topics, parameters: as of `read_recording`; `kinematics.*` and `contact.normal` must be given
+    or recorded
+    seed, progress: as of `diagnose`
     """
     chosen = {**(parameters or {}), 'robot_description_file': str(urdf_file)}
     fitted, tested = (

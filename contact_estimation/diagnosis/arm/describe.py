@@ -33,13 +33,8 @@ class ArmNames:
     """
     The named model, with what its laws do.
 
-    Attributes
-    ----------
-    model : frozenset of Term
-        Of the named model.
-    theta, stds : dict of Term to ndarray
-        Coefficients and their standard deviations.
-
+    model: of the named model
+    theta, stds: coefficients and their standard deviations
     """
 
     def __init__(self, space: ArmModels, compared: Compared, named: Named) -> None:

@@ -42,59 +42,30 @@ _INDEPENDENT = ARM.independent  # errors of a block
 
 
 class Fitted(NamedTuple):
-    """
-    A model's fit.
+    """A model's fit."""
 
-    Attributes
-    ----------
-    theta : dict of Term to ndarray
-        Coefficients.
-    calibration : ndarray, shape (10 n,)
-        Change of the links' parameters that is no finding.
-    zeros : dict of Term to ndarray
-        Tilt of the base, and zero of the wrench, that are no finding.
-    left_out, fitted : ndarray, shape (B, C)
-        Mean squares of the errors of each block and joint, of the fit on the others and on all
-        [N^2 m^2].
-    shared : tuple of Term
-        Laws of several joints, in the order of `covariance`.
-    covariance : ndarray
-        Of their coefficients.
-    known : float
-        Well-determined coefficients among those of laws of several joints.
-    surprise : float
-        Half the squared coefficients of the calibration, in those expected [nat].
-
-    """
-
-    theta: dict[Term, Array]
-    calibration: Array
-    zeros: dict[Term, Array]
+    theta: dict[Term, Array]  # coefficients
+    calibration: Array  # (10 n,) change of the links' parameters that is no finding
+    zeros: dict[Term, Array]  # tilt of the base, and zero of the wrench, that are no finding
+    # left_out, fitted (B, C): mean squares of the errors of each block and joint, of the fit on
+    # the others and on all [N^2 m^2]
     left_out: Array
     fitted: Array
-    shared: tuple[Term, ...]
-    covariance: Array
-    known: float
-    surprise: float
+    shared: tuple[Term, ...]  # laws of several joints, in the order of `covariance`
+    covariance: Array  # of their coefficients
+    known: float  # well-determined coefficients among those of laws of several joints
+    surprise: float  # half the squared coefficients of the calibration, in those expected [nat]
 
 
 class Gram:
     """
     What fits of all models need of the recordings.
 
-    Attributes
-    ----------
-    weights : ndarray, shape (C,)
-        w_j, settable.
-    counts : ndarray, shape (B, C)
-        Independent errors.
-    reach : ndarray, shape (C,)
-        Range of the torques, with that of what the wrench takes out of them [N m].
-    floor : ndarray, shape (C,)
-        Mean square of what no model explains [N^2 m^2].
-    variance : ndarray, shape (C,)
-        Of the torques [N^2 m^2].
-
+    weights (C,): w_j, settable
+    counts (B, C): independent errors
+    reach (C,): range of the torques, with that of what the wrench takes out of them [N m]
+    floor (C,): mean square of what no model explains [N^2 m^2]
+    variance (C,): of the torques [N^2 m^2]
     """
 
     def __init__(self, channels: Channels) -> None:

@@ -34,18 +34,10 @@ def possible_inertial(theta: Array, covariance: Array) -> Array:
 
     Log-Cholesky parameters: C. Rucker and P. M. Wensing, IEEE RA-L 7(2), 2022.
 
-    Parameters
-    ----------
-    theta : ndarray, shape (10,)
-        Fitted: mass, first moments, inertia (xx, xy, yy, xz, yz, zz).
-    covariance : ndarray, shape (10, 10)
-        Of the fit.
-
-    Returns
-    -------
-    theta : ndarray, shape (10,)
-        With a positive definite pseudo-inertia, or a negative definite one where mass is lacking.
-
+    theta (10,): fitted: mass, first moments, inertia (xx, xy, yy, xz, yz, zz)
+    covariance (10, 10): of the fit
+    Returns theta (10,): with a positive definite pseudo-inertia, or a negative definite one where
+    mass is lacking
     """
     sign = 1.0 if theta[0] >= 0.0 else -1.0
     if np.linalg.eigvalsh(sign * pseudo_inertia(theta)).min() > _LEAST:

@@ -45,11 +45,7 @@ class ArmModels:
 
     Every model has the calibration of its links and a zero of torque of each joint and file.
 
-    Attributes
-    ----------
-    zeros : frozenset of Term
-        Those of the torques.
-
+    zeros: those of the torques
     """
 
     def __init__(

@@ -37,22 +37,11 @@ class SecantJacobian:
     (1965); K. Madsen, H. B. Nielsen and O. Tingleff, Methods for Non-Linear Least Squares
     Problems (2004), section 3.5.
 
-    Parameters
-    ----------
-    function : callable
-        Values to residuals.
-    size : ndarray, shape (P,)
-        Typical change of each value.
-    most : ndarray, shape (P,)
-        Upper bounds of the values.
-    share : float
-        Step of the differences, as a share of `size`.
-
-    Attributes
-    ----------
-    updated : bool
-        Whether the last Jacobian is one of an update.
-
+    function: values to residuals
+    size (P,): typical change of each value
+    most (P,): upper bounds of the values
+    share: step of the differences, as a share of `size`
+    updated: whether the last Jacobian is one of an update
     """
 
     def __init__(

@@ -143,11 +143,7 @@ class ContactModels:
     """
     Models of a contact: the nominal one with effects of the library.
 
-    Attributes
-    ----------
-    parts : sequence of Part
-        That are left out in turn.
-
+    parts: that are left out in turn
     """
 
     def __init__(
