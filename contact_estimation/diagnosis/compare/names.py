@@ -100,17 +100,28 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     evidence = compared.evidence
     c = evidence.constants
     least = c.worth_exact if evidence.is_exact(named.model) else c.worth
+
+    def beside(effect: str) -> Share | None:
+        """Return the share of a name beside all others, of which it may be the missing half."""
+        rest = _known(compared, named.model, [effect], without)
+        return None if rest is None else share_of(evidence, rest, named.model)
+
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
     little = [effect for effect, (share, *_) in told.items()
               if share.share < least * (1.0 if effect in ZEROS else of_laws)
-              or -inf < share.interval[0] <= 0.0]
+              or _may_be_none(share) and _may_be_none(beside(effect) or share)]
     fewer = _dropped(compared, named, little, without) if little else None
     if fewer is not None:
         return _worth(compared, fewer, without)
     listed = {one for each in named.names for one in each.alike}
     return named._replace(rivals={one: named.rivals[one] for one in named.rivals if one in listed})
+
+
+def _may_be_none(share: Share) -> bool:
+    """Return whether a share may be 0: its 95 % interval holds 0, and not every part gains."""
+    return -inf < share.interval[0] <= 0.0 and bool(share.parts.min() < 0.0)
 
 
 def without_least(compared: Compared, named: Named, without: Without) -> Named:
