@@ -100,18 +100,13 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     evidence = compared.evidence
     c = evidence.constants
     least = c.worth_exact if evidence.is_exact(named.model) else c.worth
-
-    def beside(effect: str) -> Share | None:
-        """Return the share of a name beside all others, of which it may be the missing half."""
-        rest = _known(compared, named.model, [effect], without)
-        return None if rest is None else share_of(evidence, rest, named.model)
-
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
     little = [effect for effect, (share, *_) in told.items()
               if share.share < least * (1.0 if effect in ZEROS else of_laws)
-              or _may_be_none(share) and _may_be_none(beside(effect) or share)]
+              or _may_be_none(share) and _may_be_none(
+                  _beside(compared, named, effect, without) or share)]
     fewer = _dropped(compared, named, little, without) if little else None
     if fewer is not None:
         return _worth(compared, fewer, without)
@@ -157,12 +152,17 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
         found[first] = Part(shares[first][0], present, shares[first][1])
         present = shares[first][1]
         left.remove(first)
-    for effect, part in found.items():  # a law may help beside the others alone
-        rest = _known(compared, named.model, [effect], without)
-        if rest is not None and part.share.share < compared.evidence.constants.worth:
-            last = share_of(compared.evidence, rest, named.model)
+    for effect, part in found.items():
+        last = _beside(compared, named, effect, without)
+        if last is not None and part.share.share < compared.evidence.constants.worth:
             found[effect] = max(part, part._replace(share=last), key=lambda one: one.share.share)
     return found
+
+
+def _beside(compared: Compared, named: Named, effect: str, without: Without) -> Share | None:
+    """Return the share of a name beside all others: it may help beside them alone."""
+    rest = _known(compared, named.model, [effect], without)
+    return None if rest is None else share_of(compared.evidence, rest, named.model)
 
 
 def _known(

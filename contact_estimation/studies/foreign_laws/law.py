@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from math import sqrt
 from types import SimpleNamespace
 from typing import Any, Callable, ClassVar, Mapping, NamedTuple
 
@@ -59,6 +60,15 @@ class Compliance(NamedTuple):
     mass: float
     stiffness: float
     damping: float
+
+
+def drawn_tip(m: Magnitudes, rng: Generator, lightest: float, heaviest: float) -> Strength:
+    """Draw a `Compliance` whose mass is between two shares of that of the robot."""
+    mass = m.mass * log_uniform(rng, lightest, heaviest)
+    softest = 0.5 / m.stiffness
+    ratio = float(rng.uniform(0.05, 0.3))
+    return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
+                      'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
 
 
 class ForeignLaw(ABC):

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from math import exp, pi, sin, sqrt, tanh
+from math import exp, pi, sin, tanh
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
-from .law import Array, Compliance, log_uniform, Magnitudes, Reply, RobotLaw, Strength
+from .law import Array, Compliance, drawn_tip, log_uniform, Magnitudes, Reply, RobotLaw, Strength
 
 
 class FlexibleJoint(RobotLaw):
@@ -27,11 +27,7 @@ class FlexibleJoint(RobotLaw):
 
     @classmethod
     def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        mass = m.mass * log_uniform(rng, 0.2, 0.5)
-        softest = 0.5 / m.stiffness
-        ratio = float(rng.uniform(0.05, 0.3))
-        return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
-                          'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
+        return drawn_tip(m, rng, 0.2, 0.5)
 
     def compliance(self) -> Compliance:
         return Compliance(self.values.mass, self.values.stiffness, self.values.damping)

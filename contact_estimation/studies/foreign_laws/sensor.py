@@ -5,14 +5,15 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import pi
 from typing import Sequence
 
 import numpy as np
 from numpy.random import Generator
 from scipy.signal import bilinear, lfilter
 
-from .law import Array, Compliance, log_uniform, Magnitudes, SensorLaw, Signals, Strength
+from .law import (
+    Array, Compliance, drawn_tip, log_uniform, Magnitudes, SensorLaw, Signals, Strength)
 
 
 def filtered(
@@ -266,11 +267,7 @@ class FlexibleMount(SensorLaw):
 
     @classmethod
     def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        mass = m.mass * log_uniform(rng, 0.02, 0.1)
-        softest = 0.5 / m.stiffness
-        ratio = float(rng.uniform(0.05, 0.3))
-        return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
-                          'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
+        return drawn_tip(m, rng, 0.02, 0.1)
 
     def compliance(self) -> Compliance:
         return Compliance(self.values.mass, self.values.stiffness, self.values.damping)
