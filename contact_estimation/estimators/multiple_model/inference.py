@@ -76,7 +76,7 @@ class WallInference:
         self.changes, self.rhythm = 0, Rhythm(self.rhythm.followed)
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
-        self._depth, self._residual = 1e-3, nan
+        self._depth, self._scatter, self._residual = 1e-3, 0.0, nan
         self._scale, self._seconds = 1e3, DAMPING_S  # K_e and B_e / K_e for the priors
         self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
@@ -97,7 +97,8 @@ class WallInference:
     @property
     def scene(self) -> Scene:
         """Return what all hypotheses share now."""
-        return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
+        spread = sqrt(self._scatter) / self._depth
+        return Scene(self._x0, self._depth, spread, self._seconds, self.lag.lag)
 
     def variance_of(self, force: _Force) -> _Force:
         """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
@@ -246,8 +247,11 @@ class WallInference:
             self._touched = None
         self.rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
-        depth = max(float(phi[DEPTH].mean()), 1e-5)
-        self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
+        depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
+        off = depth - self._depth
+        self._scatter = (1.0 - gain) * (self._scatter + gain * off * off) + gain * float(
+            phi[DEPTH].var())
+        self._depth += gain * off
         self._gram *= fade
         self._gram += gram
         self._runs.add(gram, fade, seconds)
