@@ -11,8 +11,8 @@ import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT
 from .laws import (
-    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT, FORCE_RATE, FRICTION, Ints, MASS, NOISE,
-    OF_DEPTH, ONE, prior, scales, UNKNOWNS)
+    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
+    ONE, prior, scales, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
@@ -29,7 +29,6 @@ class Scene(NamedTuple):
     # x0, depth: reference of the columns and mean penetration [m]
     x0: float
     depth: float
-    spread: float  # standard deviation of the depth in the last second, over `depth`
     damping: float  # B_e / K_e as estimated so far [s]
     lag: tuple[float, float]  # of the force sensor, and its standard deviation [s]
 
@@ -215,13 +214,9 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
     delta, variance = surfaces(judged)
     B_variance = P[:, 1, 1] + linear * (
         (K * std) ** 2 + tau * (2.0 * P[:, 0, 1] + tau * P[:, 0, 0]))
-    # K y^(n-1) and chi y^n are of the mean depth: other depths of late have had others.
-    n, spread = EXPONENT[laws], scene.spread
-    K_spread, B_spread = (n - 1.0) * spread * K, (1.0 - linear) * n * spread * theta[:, 1]
     return Wall(
         K, theta[:, 1] + linear * tau * K, np.clip(delta, -reach, reach),
-        np.stack([np.maximum(P[:, 0, 0], 0.0) + K_spread * K_spread,
-                  np.maximum(B_variance, 0.0) + B_spread * B_spread,
+        np.stack([np.maximum(P[:, 0, 0], 0.0), np.maximum(B_variance, 0.0),
                   np.minimum(variance, reach * reach)]))
 
 

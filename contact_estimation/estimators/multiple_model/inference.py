@@ -20,7 +20,7 @@ from .evidence import (
     Hypotheses, hypotheses, judge, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
+    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
 from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
@@ -97,8 +97,7 @@ class WallInference:
     @property
     def scene(self) -> Scene:
         """Return what all hypotheses share now."""
-        spread = sqrt(self._scatter) / self._depth
-        return Scene(self._x0, self._depth, spread, self._seconds, self.lag.lag)
+        return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
 
     def variance_of(self, force: _Force) -> _Force:
         """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
@@ -341,7 +340,6 @@ class WallInference:
             self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
         self._rescale(K, B, 1.0, self.lag.lag[0])
-        self._depth_s = 0.0
 
     def _surprise(self, phi: Array, weights: Array) -> float:
         """Average and return the mean square residual of a block, in variances of the noise."""
@@ -391,7 +389,8 @@ class WallInference:
         self.known = Knowledge(
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            sqrt(self._residual) if self._residual == self._residual else nan)
+            sqrt(self._residual) if self._residual == self._residual else nan,
+            tuple((np.sqrt(POWERS**2 @ of_law * self._scatter) / self._depth).tolist()))
         if self.known.valid:
             self._rescale(K, B, _SOFTER * self._scale)
 
