@@ -13,7 +13,7 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_trials.family_scoring import (
+from .blind_trials.scoring import (
     NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from .blind_trials.study import diagnose_command
 from .measuring import run_timed

@@ -11,9 +11,8 @@ from typing import Any, Iterator
 
 from .arm_trials import arm_text, run_arm_trials
 from .calibration import calibrate
-from .exact_scoring import as_dict, as_text, plot_confusion
-from .family_scoring import family_dict, family_text, plot_reliability
-from .study import judged_trials, plan_study, run_study, Scores
+from .scoring import as_dict, as_text, plot_reliability
+from .study import judged_trials, plan_study, run_study
 from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
@@ -60,8 +59,8 @@ def make_parser() -> Parser:
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='Dask scheduler whose workers to use, such as tcp://host:8786')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
-                        help='folder of recordings, reports, truths, table.txt and confusion.png '
-                        '(blind_trials_output)')
+                        help='folder of recordings, reports, truths, table.txt and '
+                        'reliability.png (blind_trials_output)')
     parser.add_argument('--json', metavar='FILE', help='write the scores as JSON')
     return parser
 
@@ -104,19 +103,15 @@ def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
         print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
               f'{folder / "sealed"}')
         return
-    text = '\n\n'.join(_texts(scores, str(folder / 'handed_over')))
+    text = as_text(scores, str(folder / 'handed_over'))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')
-    write_results(options, {'json': lambda: as_json(
-        {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)})})
+    write_results(options, {'json': lambda: as_json(as_dict(scores, options.seed))})
     if options.calibrate:
         fitted = calibrate(judged_trials(folder, trials))
         print(fitted.text())
         fitted.write(Path(options.calibrate))
-    if scores.exact:
-        print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
-    if scores.on_rigs:
-        print(f'wrote {plot_reliability(scores.on_rigs, folder / "reliability.png")}')
+    print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')
 
 
 @contextmanager
@@ -126,11 +121,6 @@ def _workers(options: Any) -> Iterator[Workers]:
         return
     with workers(options.scheduler, options.jobs) as started:
         yield started
-
-
-def _texts(scores: Scores, folder: str) -> list[str]:
-    texts = [as_text(scores.exact, folder)] if scores.exact else []
-    return texts + ([family_text(scores.on_rigs, folder)] if scores.on_rigs else [])
 
 
 main = command(make_parser, run)
