@@ -25,13 +25,6 @@ def test_indirect_adaptive_meets_the_paper_s_errors(paper_run: Run) -> None:
     assert paper_run.last.damping == pytest.approx(200.0, rel=0.01)
 
 
-@pytest.mark.slow
-def test_rls_meets_the_paper_s_errors() -> None:
-    last = closed_loop({'estimator': 'rls'}, PAPER_SENSORS).last
-    assert last.stiffness == pytest.approx(4800.0, rel=0.013)
-    assert last.damping == pytest.approx(200.0, rel=0.03)
-
-
 def test_equal_seeds_give_equal_runs(paper_run: Run) -> None:
     _, _, again = closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS, duration=3.0)
     assert repr(again) == repr(paper_run.results[:len(again)])
