@@ -38,15 +38,15 @@ def make_parser() -> Parser:
     parser.add_argument('--unknown', type=int, default=0,
                         help='trials on a rig with a law that no effect describes (0)')
     parser.add_argument('--foreign', type=int, default=0,
-                        help='trials on a rig with a law of the literature that is not the '
-                        "library's; every ninth has none (0)")
+                        help='trials on a rig with a law from the literature that the library '
+                        'does not have; every ninth has none (0)')
     parser.add_argument('--arms', type=int, default=0,
-                        help='trials on whole arms: a law at a joint or a payload is concealed, '
-                        'beside links that are 5 %% off and friction everywhere (0); needs the '
-                        'extra robots')
+                        help='trials on whole arms that conceal a law in a joint or a payload, '
+                        'with links 5 %% off and friction in every joint (0); needs the extra '
+                        'robots')
     parser.add_argument('--pressing', action='store_true',
-                        help='arms of --arms press on a wall under a Cartesian impedance; a law '
-                        'of their joints or of the wall is concealed')
+                        help='let the arms of --arms press on a wall under a Cartesian '
+                        'impedance, and conceal a law of their joints or of the wall')
     parser.add_argument('--calibrate', metavar='FILE',
                         help='fit the constants of the decision to these trials, print how much '
                         'each matters, and write them as JSON')
@@ -54,7 +54,7 @@ def make_parser() -> Parser:
                         help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
     parser.add_argument('--jobs', type=int, metavar='N',
-                        help='trials at a time, in processes of this machine (1), or on the '
+                        help='number of parallel processes (1), or of trials at a time on the '
                         'workers of --scheduler; more than one needs Dask (extra fleet)')
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='Dask scheduler whose workers to use, such as tcp://host:8786')
