@@ -42,20 +42,12 @@ class Event(NamedTuple):
 
 
 class HostileLoop:
-    """
-    A robot that is where x_r wants it, and a wall of K_E and B_E at 0.
-
-    Attributes
-    ----------
-    violations : list of str
-        What broke the limits of rate and reach, over the true time of the robot.
-
-    """
+    """A robot that is where x_r wants it, and a wall of K_E and B_E at 0."""
 
     def __init__(self, seed: int = 0) -> None:
         self.session = ContactSession(build(EstimationParameters, {
             'reference.maximum_depth': 0.02, 'force_reference': 30.0}))
-        self.violations: list[str] = []
+        self.violations: list[str] = []  # of rate and reach, over the true time of the robot
         self._random = np.random.default_rng(seed)
         self._k, self._clock_ns = 0, 1_795_300_000 * 10**9
         self._x_r: Reference = Reference(-0.002, 0.0, 0.0)
