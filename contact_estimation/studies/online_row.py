@@ -234,7 +234,7 @@ def drawn_sensor(draw: np.random.Generator, **known: Any) -> Sensor:
     return drawn._replace(**known)
 
 
-def told(draw: np.random.Generator, how: str) -> tuple[dict[str, Any], float]:
+def drawn_location(draw: np.random.Generator, how: str) -> tuple[dict[str, Any], float]:
     """Return the parameters that tell x_e, and the true x_e [m]."""
     off = float(np.clip(draw.standard_normal(), -_FARTHEST, _FARTHEST)) * _LOCATION_STD
     parameters: dict[str, Any] = {'environment.location': _LOCATION}
