@@ -87,7 +87,7 @@ def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Pe
         assert node.end().code == 0
 
 
-OPTIONAL = ('stiffness_std', 'damping_std', 'location', 'inertia', 'model_fit')
+OPTIONAL = ('location', 'model_fit')
 TYPES = {'model_fit': Float64}
 
 
