@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-
 K, B, T, LAG = 4800.0, 200.0, 0.002, 10
 POSITION_NOISE = 1e-4
 

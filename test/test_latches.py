@@ -27,7 +27,6 @@ PERIOD_S = 1.75  # of the presses
 EPOCH_NS = 10**18
 Stamps = NDArray[np.int64]
 
-
 FAULTS = ('noise_burst', 'flipped_sign', 'frozen_force', 'frozen_position', 'wild_values',
           'silence', 'clock_back', 'zero_step')
 

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
 from contact_estimation.estimators.parameters import EnvironmentParameters

@@ -145,7 +145,6 @@ LIES = (lambda ns: 0, lambda ns: ns + 6 * 10**8, lambda ns: ns - 3 * 10**9)
 FALSE = sent([sample._replace(stamp_ns=LIES[k % 3](sample.stamp_ns)) if k % 100 == 50 else sample
               for k, sample in enumerate(TOUCH)])
 
-
 KINDS = {'regular': IN_TIME, 'with NaN': BAD, 'set back': BACK, 'false stamps': FALSE}
 
 

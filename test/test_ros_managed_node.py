@@ -25,7 +25,6 @@ from ros_processes import node_process, PATIENCE_S, wait_until
 lifecycle = pytest.importorskip('lifecycle_msgs.srv')
 messages = pytest.importorskip('lifecycle_msgs.msg')
 
-
 SAMPLES = contact_samples(1.0)
 PATIENCE = Duration(seconds=PATIENCE_S)
 Transition = messages.Transition

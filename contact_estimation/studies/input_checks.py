@@ -23,7 +23,6 @@ from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiments import experiment_named
 from ..signals.contact_sample import ContactSample
 
-
 EXPERIMENTS = ('sine', 'prbs', 'multisine', 'none', 'rich')
 WALLS = ((1000.0, 40.0), (5000.0, 100.0), (4800.0, 200.0), (20000.0, 200.0))
 _DURATION_S = 12.0

@@ -16,7 +16,6 @@ from .online_row import (
 from .online_worlds import Array, cruise, simulate, start, Stream, World
 from ..physics.prior import log_uniform
 
-
 Fault = Callable[[World, float, float, np.random.Generator], World]
 """Takes a world, begin and end [s] and a generator; returns it with the fault in between."""
 
@@ -91,7 +90,6 @@ FAULTS: dict[str, Fault] = {
     'wild values': wild_values, 'position frozen': frozen_position, 'clock back': clock_back,
 }
 """By name."""
-
 
 _SLOW_FORCE, _SIGMAS = 20.0, 8.0  # [N], of the noise: what a slow touch must reach
 _SLOWEST = 1.0  # rise of the force, or a world lasts for minutes [N/s]

@@ -19,7 +19,6 @@ from ..pipeline.axes import Result
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
 
-
 _LOOK_S = 0.1  # between looks at warnings and laws
 _TOUCHED_S = 0.3  # after a touch, from which there should be estimates
 _SETTLED_S = 1.0  # after a touch, from which bands are checked

@@ -23,7 +23,6 @@ from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
 
-
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
            'failed')
 """Classes of a record of which the truth is known."""

@@ -125,6 +125,5 @@ def _workers(options: Any) -> Iterator[Workers]:
 
 main = command(make_parser, run)
 
-
 if __name__ == '__main__':
     raise SystemExit(main())

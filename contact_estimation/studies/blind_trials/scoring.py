@@ -20,7 +20,6 @@ import numpy as np
 from ...figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
 from ...physics import EFFECTS
 
-
 NEUTRAL = ('force_bias', 'contact_offset')
 """Offsets beside other names on a rig, neither right nor wrong: every rig has small ones."""
 
