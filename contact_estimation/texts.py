@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Texts that others wrote: read within stated limits, and escaped where they are printed."""
 
 from __future__ import annotations

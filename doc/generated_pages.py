@@ -149,11 +149,9 @@ LIMITS = '''## What no check sees
 
 - A lag of a few milliseconds: `synchronisation.timing_std` stands for it in the deviation of B_hat.
 - A lag in a contact that moves little and slowly, until more motion comes: there a lag acts like
-  another damping and stiffness. In motion of +-1 mm at 0.02 m/s, from a soft touch-down on, two
-  seconds of force after a lag of 5 ms differ from the force of the best other wall by a chi-squared of
-  23 (late) or 36 (early), and after 10 ms by 72 or 165; beside a mass, by 8 at most. A warning needs
-  40 in two judgements in a row, so that other physics is not taken for a lag. 50 ms, or 5 ms in a quick touch-down,
-  are told within 2 s. The benchmark prints these figures of every lag that it is told late.
+  another damping and stiffness, or like a mass. A warning needs a chi-squared of 40 in two judgements
+  in a row, so that other physics is not taken for a lag. A lag of 50 ms, or of 5 ms in a quick
+  touch-down, is found within 2 s.
 - A lag where the noise of positions or velocities hides the motion: regressions take that noise into account,
   and where the motion is not clearly above it, nothing is said of lags.
 - Which of two sources of one topic is right; and two sources whose levels are less than eight standard

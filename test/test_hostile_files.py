@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Damaged or hostile files: one printable line, and no more memory than a stated limit."""
 
 from __future__ import annotations

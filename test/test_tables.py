@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
 
 from __future__ import annotations

@@ -9,10 +9,11 @@ from typing import Callable
 from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
+from contact_estimation.studies.online_worlds import ramp
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from wall_worlds import Array, contact, fed, Law, Samples, spring_damper, step
+from wall_worlds import Array, contact, fed, Law, Samples, spring_damper
 
 K, B = 5000.0, 100.0
 NO_LAG = lag_prior(0.0, 1e-3)  # the sensor has none, and says so
@@ -137,7 +138,7 @@ def hunt_crossley(exponent: float) -> Law:
 
 
 def moved(t: Array) -> Array:
-    return np.asarray(1e-3 * (step(t, 1.2, 0.8) - step(t, 2.2, 0.8)))
+    return np.asarray(1e-3 * (ramp(1.2, 0.8, 1.0)(t) - ramp(2.2, 0.8, 1.0)(t)))
 
 
 WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {

@@ -30,9 +30,9 @@ def make_parser() -> Parser:
     """Build the command line of `simulate`."""
     parser = Parser(
         prog='simulate',
-        description='Simulate a model on the command of a recording, interpolated as told and '
-        'sampled at its stamps, or on an experiment. A permanently attached wall without a robot '
-        'is driven by the recorded force.',
+        description='Simulate a model on the command of a recording, sampled at its stamps, or '
+        'on an experiment. A permanently attached wall without a robot is driven by the recorded '
+        'force.',
     )
     parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
@@ -48,8 +48,8 @@ def make_parser() -> Parser:
                         help='seed of all noise (default: that of the model file)')
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
-        help='course of the recorded reference, straight or held, or of the force that drives '
-        'an attached wall (default: straight); `diagnose` reports which one the data support',
+        help='interpolation of the recorded reference (straight or held) or of the force that '
+        'drives an attached wall (default: straight); `diagnose` reports which the data support',
     )
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and what `replay` estimates from them')
