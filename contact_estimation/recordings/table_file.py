@@ -41,6 +41,9 @@ class TableFile:
         columns, where = read_columns(path), f'table {path}'
         stamp_ns, signals = signals_of_columns(columns, source.columns, source.units, where)
         self.columns = columns_of_signals(columns, source.columns, where)
+        for key, column in self.columns.items():
+            if odd := columns.odd.get(column.removeprefix('-')):
+                self.columns[key] += f' ({odd[0]} cells hold no number, the first {odd[1][:40]!r})'
         order = np.argsort(stamp_ns, kind='stable')
         self._stamp_ns = stamp_ns[order]
         self._topics = {getattr(source, name): (TYPES[name], encode, rows[order]) for name, (

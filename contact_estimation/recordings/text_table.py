@@ -1,0 +1,203 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+
+"""Text with one sample a line: any delimiter, decimal mark and encoding of spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+from itertools import islice
+from pathlib import Path
+import re
+from typing import Any, Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import RecordingError
+from ..texts import LFS_POINTER
+
+
+class Columns(dict[str, NDArray[Any]]):
+    """
+    Numbers by name, all of one length: int64 where a file has integers, else float64.
+
+    odd: of columns that hold other texts, how many and the first of them
+    """
+
+    def __init__(self, columns: Any = ()) -> None:
+        super().__init__(columns)
+        self.odd: dict[str, tuple[int, str]] = {}
+
+
+_HEAD = 200  # lines in which the data begin
+_DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
+_UNIT = re.compile(r'[\[(]?[a-zA-Z%/]{0,4}[\])]?')
+_LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
+_THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
+_MISSING = {'', '-', '--', '?', 'na', 'n/a', '#n/a', 'null', 'none'}  # NaN is a number
+_TIME = re.compile(
+    r'(\d{4}-\d\d-\d\d)?[T ]?(\d\d:\d\d:\d\d(?:[.,]\d+)?) ?(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
+
+
+def read_text(path: Path) -> Columns:
+    """Read text with any of the usual delimiters, lines before the header, and units."""
+    with open(path, 'rb') as binary:
+        encoding = _encoding(binary.read(1 << 16))
+    with open(path, encoding=encoding, errors='replace', newline=None) as stream:
+        head = list(islice(stream, _HEAD))
+        if head and head[0].startswith(LFS_POINTER):
+            raise RecordingError(
+                f'{path} is a Git LFS pointer, expected the table itself; get it with: git lfs '
+                'pull')
+        delimiter, first = _begin_of_data(head)
+        if first is None:
+            return Columns()
+        names = _names(head[:first], delimiter, len(_cells(head[first], delimiter)))
+        cells = [cell for line in head[first:] for cell in _cells(line, delimiter)]
+        mark = _decimal_mark(cells, delimiter)
+        stream.seek(0)
+        try:
+            lines = stream if mark == '.' else _with_points(stream)
+            table = np.loadtxt(lines, delimiter=delimiter, skiprows=first, ndmin=2, comments=None)
+            columns = Columns(zip(names, table.T))
+            for place, name in enumerate(names):
+                if re.search('time|stamp|ns', name, re.I):
+                    columns[name] = _integers(stream, delimiter, first, place, columns[name])
+            return columns
+        except ValueError:  # empty cells, texts, thousands
+            stream.seek(0)
+            return _cell_by_cell(islice(stream, first, None), delimiter, names, mark)
+
+
+def _encoding(start: bytes) -> str:
+    """Tell the encodings that spreadsheets write; any byte is a character of the last."""
+    if start[:2] in (b'\xff\xfe', b'\xfe\xff'):
+        return 'utf-16'
+    try:
+        start[:max(len(start) - 3, start.rfind(b'\n'))].decode()  # may end within a character
+    except UnicodeDecodeError:
+        return 'latin-1'
+    return 'utf-8-sig'
+
+
+def _with_points(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines with decimal points in place of commas, unless there are points already."""
+    for line in lines:
+        if '.' in line:
+            raise ValueError('thousands')
+        yield line.replace(',', '.')
+
+
+def _integers(
+    stream: Any, delimiter: str | None, first: int, place: int, column: NDArray[Any]
+) -> NDArray[Any]:
+    """Return a column exactly where it has integers: stamps in ns need more than float64."""
+    if np.any(column != np.rint(column)):
+        return column
+    stream.seek(0)
+    try:
+        return np.loadtxt(stream, np.int64, delimiter=delimiter, ndmin=1, skiprows=first,
+                          usecols=place, comments=None)
+    except (ValueError, OverflowError):  # 1.0
+        return column
+
+
+def _begin_of_data(head: Sequence[str]) -> tuple[str | None, int | None]:
+    """Find the delimiter that makes most numbers, and the first line of numbers."""
+    best: tuple[int, str | None, int | None] = 0, None, None
+    for delimiter in _DELIMITERS:
+        numbers = [_numbers_in(line, delimiter) for line in head]
+        most = max(numbers, default=0)
+        if most > best[0]:
+            first = numbers.index(most)
+            while first and numbers[first - 1] > 0:  # rows with empty cells
+                first -= 1
+            best = most, delimiter, first
+    return best[1], best[2]
+
+
+def _numbers_in(line: str, delimiter: str | None) -> int:
+    """Count the numbers of a line that has mostly numbers, else 0."""
+    filled = [cell for cell in _cells(line, delimiter) if cell.strip()]
+    count = sum(_number(cell, '.') is not None or _number(cell, ',') is not None
+                for cell in filled)
+    return count if 2 * count > len(filled) else 0
+
+
+def _names(above: Sequence[str], delimiter: str | None, count: int) -> list[str]:
+    """Name the columns by the last lines above the data, of which the last may hold units."""
+    rows = [[cell.strip('"\' ') for cell in _cells(line.lstrip('#% '), delimiter)]
+            for line in above if line.strip()]
+    rows = [row for row in rows if len(row) == count]
+    names = [str(place) for place in range(1, count + 1)]
+    if rows:
+        names = rows[-1]
+        if len(rows) > 1 and all(map(_UNIT.fullmatch, rows[-1])):
+            names = [f'{name} [{unit.strip("[]()")}]' for name, unit in zip(*rows[-2:])]
+    seen: dict[str, int] = {}
+    for place, name in enumerate(names):
+        seen[name] = seen.get(name, 0) + 1
+        names[place] = name if name and seen[name] == 1 else f'{name or "column"} {place + 1}'
+    return names
+
+
+def _cell_by_cell(
+    lines: Iterator[str], delimiter: str | None, names: Sequence[str], mark: str
+) -> Columns:
+    rows, odd = [], dict[str, tuple[int, str]]()
+    for line in lines:
+        cells = _cells(line, delimiter)[:len(names)]
+        if not any(cell.strip() for cell in cells) or line[0] in '#%':
+            continue
+        row = [_number(cell, mark) for cell in cells]
+        for name, cell, number in zip(names, cells, row):
+            if number is None and cell.strip().lower() not in _MISSING:
+                count, text = odd.get(name, (0, cell))
+                odd[name] = count + 1, text
+        rows.append([np.nan if number is None else number for number in row]
+                    + [np.nan] * (len(names) - len(row)))
+    columns = Columns(zip(names, np.array(rows, np.float64).reshape(-1, len(names)).T))
+    columns.odd = odd
+    return columns
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return line.split()
+    return next(csv.reader([line.rstrip('\n')], delimiter=delimiter), [])
+
+
+def _decimal_mark(cells: Sequence[str], delimiter: str | None) -> str:
+    """Tell the decimal mark by the first number in which it cannot separate thousands."""
+    numbers = list(filter(_LIKE_A_NUMBER.fullmatch, cells))
+    for number in numbers:
+        marks = re.findall('[.,]', number)
+        if marks.count(marks[-1]) == 1 and (len(marks) > 1 or not _THOUSANDS.fullmatch(number)):
+            return str(marks[-1])
+    is_comma = delimiter != ',' and numbers and not any('.' in number for number in numbers)
+    return ',' if is_comma else '.'
+
+
+def _number(cell: str, mark: str) -> float | None:
+    """Return the number of a cell, or the seconds of a date and time in ISO 8601."""
+    try:
+        if mark == '.' or '.' not in cell:
+            return float(cell.replace(mark, '.'))
+    except ValueError:
+        pass
+    text = cell.strip().replace('\u2212', '-')  # the minus of typesetters
+    if ',' in text and '.' in text:
+        mark = max(',.', key=text.rfind)
+    separators = ",\u00a0\u202f '’" if mark == '.' else ".\u00a0\u202f '’"
+    text = re.sub(rf'(?<=\d)[{separators}](?=\d{{3}}(?!\d))', '', text).replace(',', '.')
+    try:
+        return float(re.sub(r'(?<=[\d.])[dD](?=[+-]?\d)', 'e', text))  # Fortran's exponent
+    except ValueError:
+        match = _TIME.fullmatch(cell.strip())
+    try:
+        return match and 1e-9 * float(np.datetime64(
+            f'{match[1] or "1970-01-01"}T{match[2].replace(",", ".")}', 'ns').astype(np.int64))
+    except ValueError:  # 25:00
+        return None
