@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Callable
 from xml.etree import ElementTree
 
@@ -17,6 +16,7 @@ from .command_line import (
 from ..exceptions import (
     EstimationError, ModelFileError, ParameterRangeError, RecordingError, UnknownNameError)
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
+from ..kinematics.description import read_description
 from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
@@ -103,7 +103,7 @@ def _description(
 ) -> tuple[str, str]:
     """Return the URDF, and the file or recording that holds it."""
     if options.robot_description:
-        return _text(options.robot_description), options.robot_description
+        return read_description(options.robot_description), options.robot_description
     try:
         return recorded_description(reader, source), f'in {options.recording}'
     except RecordingError as error:
@@ -112,14 +112,6 @@ def _description(
             f'{canonical(source.robot_description)}; give the URDF as --robot-description, or '
             'record the topic'
         ) from error
-
-
-def _text(path: str) -> str:
-    try:
-        return Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, 'strerror', None) or error
-        raise ModelFileError(f'robot description {path} cannot be read: {reason}') from error
 
 
 def _root(urdf: str, origin: str) -> str:

@@ -147,11 +147,6 @@ def recording_files(path: Path) -> list[Path]:
         raise RecordingError(
             f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder'
         )
-    if not path.is_dir() and not path.is_file():
-        raise RecordingError(
-            f'{path} is a pipe or device, expected a regular file, which can be read more than '
-            'once; save it to a file first'
-        )
     if not path.is_dir():
         return [path]
     information = _information(path / FILE_NAME)
@@ -197,8 +192,7 @@ def _information(path: Path) -> dict[str, Any] | None:
 
 def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
     """Return the files that metadata.yaml lists."""
-    mode = str(information.get('compression_mode') or 'none').lower()
-    if information.get('storage_identifier') == 'sqlite3' or mode != 'none':
+    if str(information.get('compression_mode')).lower() == 'file':
         return [folder]
     # Old versions wrote the folder's name before that of the file.
     files = [folder / PurePosixPath(str(p)).name for p in information['relative_file_paths']]

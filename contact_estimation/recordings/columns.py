@@ -25,7 +25,8 @@ _UNITS = {
     **{name: ('motion', factor) for name, factor in _LENGTHS.items()},
     'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
     'n': ('force', 1.0), 'kn': ('force', 1e3), 'mn': ('force', 1e-3), 'kgf': ('force', 9.80665),
-    'gf': ('force', 9.80665e-3), 'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
+    'gf': ('force', 9.80665e-3),
+    'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
     'nm': ('torque', 1.0), 'nmm': ('torque', 1e-3),
     **{name: ('time', factor) for prefix, factor in (
         ('', 1.0), ('m', 1e-3), ('u', 1e-6), ('µ', 1e-6), ('n', 1e-9))

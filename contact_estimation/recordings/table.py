@@ -33,8 +33,6 @@ def read_columns(path: Path) -> Columns:
     header are named '1', '2',
     """
     try:
-        if not path.is_file():
-            raise RecordingError(f'table {path} must be a regular file; save it to a file first')
         columns = _READERS[path.suffix.lower()](path)
     except (OSError, csv.Error) as error:
         reason = getattr(error, 'strerror', None) or error
@@ -111,5 +109,6 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
 
 
 _READERS: dict[str, Callable[[Path], Columns]] = {
-    **dict.fromkeys(('.csv', '.tsv', '.txt', '.dat'), read_text), '.parquet': _parquet, '.mat': _mat,
+    **dict.fromkeys(('.csv', '.tsv', '.txt', '.dat'), read_text), '.parquet': _parquet,
+    '.mat': _mat,
 }

@@ -15,9 +15,6 @@ from typing import Any, Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import RecordingError
-from ..texts import LFS_POINTER
-
 
 class Columns(dict[str, NDArray[Any]]):
     """
@@ -47,10 +44,6 @@ def read_text(path: Path) -> Columns:
         encoding = _encoding(binary.read(1 << 16))
     with open(path, encoding=encoding, errors='replace', newline=None) as stream:
         head = list(islice(stream, _HEAD))
-        if head and head[0].startswith(LFS_POINTER):
-            raise RecordingError(
-                f'{path} is a Git LFS pointer, expected the table itself; get it with: git lfs '
-                'pull')
         delimiter, first = _begin_of_data(head)
         if first is None:
             return Columns()
