@@ -57,7 +57,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r't|time|timestamp', 't'),
     (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds)', 't'),
     (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
-    (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
+    (r'(?:(?:actual_)?tcp_)?force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
     (r'f|fn|force|load|(?:contact|normal)_force', 'wrench.force.x'),

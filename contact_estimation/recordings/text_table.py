@@ -33,6 +33,7 @@ _DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
 _UNIT = re.compile(r'[\[(]?[a-zA-Z%/]{0,4}[\])]?')
 _LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
 _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
+_LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
 _MISSING = {'', '-', '--', '?', 'na', 'n/a', '#n/a', 'null', 'none'}  # NaN is a number
 _TIME = re.compile(
     r'(\d{4}-\d\d-\d\d)?[T ]?(\d\d:\d\d:\d\d(?:[.,]\d+)?) ?(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
@@ -47,9 +48,9 @@ def read_text(path: Path) -> Columns:
         delimiter, first = _begin_of_data(head)
         if first is None:
             return Columns()
-        names = _names(head[:first], delimiter, len(_cells(head[first], delimiter)))
-        cells = [cell for line in head[first:] for cell in _cells(line, delimiter)]
-        mark = _decimal_mark(cells, delimiter)
+        rows = list(_rows([line.lstrip('#% ') for line in head], delimiter))
+        names = _names(rows[:first], len(rows[first]))
+        mark = _decimal_mark([cell for row in rows[first:] for cell in row], delimiter)
         stream.seek(0)
         try:
             lines = stream if mark == '.' else _with_points(stream)
@@ -61,7 +62,7 @@ def read_text(path: Path) -> Columns:
             return columns
         except ValueError:  # empty cells, texts, thousands
             stream.seek(0)
-            return _cell_by_cell(islice(stream, first, None), delimiter, names, mark)
+            return _cell_by_cell(islice(_rows(stream, delimiter), first, None), names, mark)
 
 
 def _encoding(start: bytes) -> str:
@@ -98,10 +99,10 @@ def _integers(
 
 
 def _begin_of_data(head: Sequence[str]) -> tuple[str | None, int | None]:
-    """Find the delimiter that makes most numbers, and the first line of numbers."""
+    """Find the delimiter that makes most numbers, and the first row of numbers."""
     best: tuple[int, str | None, int | None] = 0, None, None
     for delimiter in _DELIMITERS:
-        numbers = [_numbers_in(line, delimiter) for line in head]
+        numbers = list(map(_numbers_in, _rows(head, delimiter)))
         most = max(numbers, default=0)
         if most > best[0]:
             first = numbers.index(most)
@@ -111,19 +112,17 @@ def _begin_of_data(head: Sequence[str]) -> tuple[str | None, int | None]:
     return best[1], best[2]
 
 
-def _numbers_in(line: str, delimiter: str | None) -> int:
-    """Count the numbers of a line that has mostly numbers, else 0."""
-    filled = [cell for cell in _cells(line, delimiter) if cell.strip()]
-    count = sum(_number(cell, '.') is not None or _number(cell, ',') is not None
-                for cell in filled)
+def _numbers_in(row: Sequence[str]) -> int:
+    """Count the numbers of a row that has mostly numbers, else 0."""
+    filled = [cell for cell in row if cell.strip()]
+    count = sum(bool(_LIST.fullmatch(cell)) or _number(cell, '.') is not None
+                or _number(cell, ',') is not None for cell in filled)
     return count if 2 * count > len(filled) else 0
 
 
-def _names(above: Sequence[str], delimiter: str | None, count: int) -> list[str]:
-    """Name the columns by the last lines above the data, of which the last may hold units."""
-    rows = [[cell.strip('"\' ') for cell in _cells(line.lstrip('#% '), delimiter)]
-            for line in above if line.strip()]
-    rows = [row for row in rows if len(row) == count]
+def _names(above: Sequence[Sequence[str]], count: int) -> list[str]:
+    """Name the columns by the last rows above the data, of which the last may hold units."""
+    rows = [[cell.strip('"\' ') for cell in row] for row in above if len(row) == count]
     names = [str(place) for place in range(1, count + 1)]
     if rows:
         names = rows[-1]
@@ -136,30 +135,39 @@ def _names(above: Sequence[str], delimiter: str | None, count: int) -> list[str]
     return names
 
 
-def _cell_by_cell(
-    lines: Iterator[str], delimiter: str | None, names: Sequence[str], mark: str
-) -> Columns:
-    rows, odd = [], dict[str, tuple[int, str]]()
-    for line in lines:
-        cells = _cells(line, delimiter)[:len(names)]
-        if not any(cell.strip() for cell in cells) or line[0] in '#%':
+def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:
+    """Read rows of any cells; a list in a cell, such as [1, 2], makes columns NAME_0, NAME_1."""
+    found, odd, sizes = [], dict[str, tuple[int, str]](), None
+    for row in rows:
+        if not any(cell.strip() for cell in row) or row[0].startswith(('#', '%')):
             continue
-        row = [_number(cell, mark) for cell in cells]
-        for name, cell, number in zip(names, cells, row):
-            if number is None and cell.strip().lower() not in _MISSING:
+        lists = [(match := _LIST.fullmatch(cell)) and match[1].replace(',', ' ').split()
+                 for cell in row[:len(names)]]
+        if sizes is None:
+            sizes = [0 if own is None else len(own) for own in lists]
+            sizes += [0] * (len(names) - len(lists))
+        numbers: list[float | None] = []
+        for name, cell, own, size in zip(names, row, lists, sizes):
+            cells = (own or [])[:size] if size else [cell]
+            numbers += [_number(one, mark) for one in cells] + [None] * (size - len(cells))
+            if None in numbers[-len(cells):] and cell.strip().lower() not in _MISSING:
                 count, text = odd.get(name, (0, cell))
                 odd[name] = count + 1, text
-        rows.append([np.nan if number is None else number for number in row]
-                    + [np.nan] * (len(names) - len(row)))
-    columns = Columns(zip(names, np.array(rows, np.float64).reshape(-1, len(names)).T))
+        found.append(numbers)
+    wide = [f'{name}_{k}' if size > 1 else name for name, size in zip(names, sizes or ())
+            for k in range(size or 1)]
+    table = np.full((len(found), len(wide)), np.nan)
+    for values, numbers in zip(table, found):
+        values[:len(numbers)] = [np.nan if number is None else number for number in numbers]
+    columns = Columns(zip(wide, table.T))
     columns.odd = odd
     return columns
 
 
-def _cells(line: str, delimiter: str | None) -> list[str]:
+def _rows(lines: Iterable[str], delimiter: str | None) -> Iterator[list[str]]:
     if delimiter is None:
-        return line.split()
-    return next(csv.reader([line.rstrip('\n')], delimiter=delimiter), [])
+        return (line.split() for line in lines)
+    return csv.reader(lines, delimiter=delimiter)
 
 
 def _decimal_mark(cells: Sequence[str], delimiter: str | None) -> str:
