@@ -62,8 +62,7 @@ def run(options: Any) -> int:
         raise RecordingError(
             f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
             'in --params as force_sensor.frame (UR drivers that leave it empty: tool0, with '
-            'force_sensor.axes: base)'
-        )
+            'force_sensor.axes: base)')
     urdf, origin = _description(options, reader, source)
     model = RobotModel(urdf, _root(urdf, origin), frame)
     sign = _force_sign(given)
@@ -110,8 +109,7 @@ def _description(
         raise RecordingError(
             f'{options.recording} has no robot description on '
             f'{canonical(source.robot_description)}; give the URDF as --robot-description, or '
-            'record the topic'
-        ) from error
+            'record the topic') from error
 
 
 def _root(urdf: str, origin: str) -> str:
@@ -127,8 +125,7 @@ def _root(urdf: str, origin: str) -> str:
              if link.get('name') not in children]
     if len(roots) != 1:
         raise ModelFileError(
-            f'robot description {origin} must have one root link, got {roots or "none"}'
-        )
+            f'robot description {origin} must have one root link, got {roots or "none"}')
     return roots[0]
 
 
@@ -150,8 +147,7 @@ def _parameter_file(found: ToolCalibration, frame: str) -> str:
     tool = found.tool
     values = {'mass': round(tool.mass, 6)} | {
         name: [round(value, 6) for value in getattr(tool, name)]
-        for name in ('centre', 'force_bias', 'torque_bias')
-    }
+        for name in ('centre', 'force_bias', 'torque_bias')}
     # tool.* is the load of a tool at rest; its inertia along the normal is a known effect.
     inertia = {'tool_inertia': {'mass': values['mass']}}
     text = yaml.safe_dump({'/**': {'ros__parameters': {'tool': values, 'physics': inertia}}},

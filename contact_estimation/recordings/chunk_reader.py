@@ -113,8 +113,7 @@ def read_chunk(content: bytes, channels: Channels) -> list[RecordedMessage] | No
         stream, size = get_chunk_data_stream(_of_stated_size(chunk), validate_crc=True)
     except _NoDecompressor as error:
         raise MissingPackageError.of(
-            chunk.compression, 'reading this compressed recording'
-        ) from error
+            chunk.compression, 'reading this compressed recording') from error
     except RecordingError:
         raise
     except Exception:  # each decompressor has its own exceptions for damaged data

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Columns of tables as signals of the contract: found by name, in SI units."""
 
 from __future__ import annotations

@@ -161,17 +161,14 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
     if size == 0:
         raise RecordingError(
             f'recording {path} is empty (0 bytes), expected an MCAP file; '
-            'it was stopped before its first message: record again'
-        )
+            'it was stopped before its first message: record again')
     if start.startswith(b'#ROSBAG'):
         raise RecordingError(
             f'recording {path} is a ROS 1 bag, expected an MCAP file; '
-            f'convert it with: rosbags-convert --src {path} --dst NEW_FOLDER --dst-storage mcap'
-        )
+            f'convert it with: rosbags-convert --src {path} --dst NEW_FOLDER --dst-storage mcap')
     raise RecordingError(
         f'{path} is no MCAP file: expected it to begin with {MAGIC!r}, got {start[:8]!r}; '
-        'give a .mcap file or a rosbag2 folder'
-    )
+        'give a .mcap file or a rosbag2 folder')
 
 
 @contextmanager
@@ -183,8 +180,7 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
     except OSError as error:
         raise RecordingError(
             f'cannot read recording {path}: {error.strerror}; give an existing .mcap file or '
-            'rosbag2 folder and check disk and permissions'
-        ) from error
+            'rosbag2 folder and check disk and permissions') from error
 
 
 class GrowingRecording:

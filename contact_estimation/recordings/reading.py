@@ -102,13 +102,11 @@ class RecordingReader:
                     f'recording {self.path} has {hidden} damaged stretches, and what describes '
                     f'{", ".join(topics)} is in none that can be read (there: '
                     f'{", ".join(types) or "no topic"}); use another copy of the file, or '
-                    'recover it with: mcap recover'
-                )
+                    'recover it with: mcap recover')
             if self.truncated and not types:
                 raise RecordingError(
                     f'recording {self.path} must hold messages, but it ends before the first '
-                    'topic; end the recorder before copying its file, or record again'
-                )
+                    'topic; end the recorder before copying its file, or record again')
             require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
             changes = changes_of(

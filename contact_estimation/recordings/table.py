@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Tables of numbers by the names of their columns: CSV, Parquet and MAT files."""
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Text with one sample a line: any delimiter, decimal mark and encoding of spreadsheets."""
 
 from __future__ import annotations

@@ -123,7 +123,7 @@ class EvidenceWindow:
                 max([self._pressing[axis], *(-force).tolist()]))
 
     def close_block(self, end_ns: int) -> bool:
-        """Turn the block that ends at a stamp into arrays; return whether an axis touched in it."""
+        """Turn the block that ends at a stamp into arrays; return whether an axis touched."""
         touched = False
         for pending, axis in zip(self.samples, self._axes):
             table = pending.until(inf).T  # stamp, position, rate, force, whether in contact
