@@ -18,24 +18,21 @@ Signals = dict[str, NDArray[np.float64]]
 
 _LAST_NS = 1e9 * 2**31  # stamps have 32 bits for seconds
 _FRACTIONS = {'nano': 1, 'n': 1, 'micro': 1000, 'u': 1000}  # names of parts of a second, in ns
-_LENGTHS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3, 'um': 1e-6, 'µm': 1e-6, 'μm': 1e-6,
-            'in': 0.0254, 'inch': 0.0254}
-_UNITS = {
-    **{name: ('motion', factor) for name, factor in _LENGTHS.items()},
+_SMALL = {'': 1.0, 'm': 1e-3, 'u': 1e-6, 'µ': 1e-6, 'μ': 1e-6, 'n': 1e-9, 'p': 1e-12}
+_UNITS: dict[str, tuple[str, float]] = {
+    **{f'{prefix}{name}': (kind, factor) for prefix, factor in _SMALL.items()
+       for name, kind in (('m', 'motion'), ('N', 'force'), ('s', 'time'), ('sec', 'time'))},
+    'cm': ('motion', 1e-2), 'in': ('motion', 0.0254), 'inch': ('motion', 0.0254),
     'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
-    'n': ('force', 1.0), 'kn': ('force', 1e3), 'mn': ('force', 1e-3), 'kgf': ('force', 9.80665),
-    'gf': ('force', 9.80665e-3),
+    'kN': ('force', 1e3), 'kgf': ('force', 9.80665), 'gf': ('force', 9.80665e-3),
     'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
-    'nm': ('torque', 1.0), 'nmm': ('torque', 1e-3),
-    **{name: ('time', factor) for prefix, factor in (
-        ('', 1.0), ('m', 1e-3), ('u', 1e-6), ('µ', 1e-6), ('n', 1e-9))
-       for name in (f'{prefix}s', f'{prefix}sec')},
+    'Nm': ('torque', 1.0), 'Nmm': ('torque', 1e-3),
 }
 """What a unit measures, and its factor to SI."""
 
 # At the end of a name: z [mm], v (mm/s), z / mm, z in mm, z_mm.
 _UNIT = re.compile(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]$'
-                   rf'|(?:\s*[/,_]\s*|\s+in\s+)({"|".join(_UNITS)})$')
+                   rf'|(?:\s*[/,_]\s*|\s+in\s+)({"|".join(_UNITS)})$', re.IGNORECASE)
 
 _RATES = ('velocity', 'acceleration', 'effort')
 _KEY = re.compile(
@@ -178,22 +175,28 @@ def _general(units: Sequence[str]) -> dict[str, float]:
     """Return the factor of each quantity from the units given for all columns."""
     general = {}
     for unit in units:
-        if unit.lower() not in _UNITS:
+        found = _unit(unit)
+        if found is None:
             raise RecordingError(
                 f'--units must list units such as mm,N,s, got {unit!r}; known: '
-                f'{", ".join(_UNITS)} (in any case)')
-        kind, factor = _UNITS[unit.lower()]
-        general[kind] = factor
+                f'{", ".join(_UNITS)}')
+        general[found[0]] = found[1]
     return general
+
+
+def _unit(name: str, kind: str = '') -> tuple[str, float] | None:
+    """Return what a unit measures, and its factor; case counts only where nm is not Nm."""
+    names = [one for one in _UNITS if one.lower() == name.lower() and kind in ('', _UNITS[one][0])]
+    return _UNITS[name if name in names else names[0]] if names else None
 
 
 def _factor(key: str, name: str, general: Mapping[str, float]) -> float:
     """Return the factor of a column to SI: by the unit in its name, else the general one."""
     kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque') or is_effort(key)
             else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
-    unit = None if is_key(name) else _UNIT.search(name.lower().strip())
-    own = _UNITS.get(unit[1] or unit[2]) if unit else None
-    return own[1] if own and own[0] == kind else general.get(kind, 1.0)
+    match = None if is_key(name) else _UNIT.search(name.strip())
+    own = _unit(match[1] or match[2], kind) if match else None
+    return own[1] if own else general.get(kind, 1.0)
 
 
 def _stamps(
