@@ -29,7 +29,7 @@ class Columns(dict[str, NDArray[Any]]):
 
 _HEAD = 200  # lines in which the data begin
 _DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
-_UNIT = re.compile(r'[\[(]?[a-zA-Z%/]{0,4}[\])]?')
+_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|[a-zA-Z%/]{0,4}')
 _LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
 _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
 _LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
