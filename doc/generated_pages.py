@@ -110,7 +110,8 @@ where nothing could be estimated. A silent wrench topic is level ERROR.
 
 While a warning *withholds* estimates, the status is `frozen` in contact, the estimator learns
 nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
-Judgements are made twice a second from the last 2 s; they depend on the samples alone.
+Judgements use the last 2 s and depend on the samples alone. They are made twice a second from a touch on, and less
+often, but at least every 2 s, where nothing has been wrong for a while.
 `python -m contact_estimation.studies input_checks` counts false warnings in healthy loops and
 measures the time until each true one.
 
@@ -153,7 +154,7 @@ LIMITS = '''## What no check sees
   seconds of force after a lag of 5 ms differ from the force of the best other wall by a chi-squared of
   23 (late) or 36 (early), and after 10 ms by 72 or 165; beside a mass, by 8 at most. A warning needs
   40 in two judgements in a row, so that other physics is not taken for a lag. 50 ms, or 5 ms in a quick touch-down,
-  are told within 2 s. The benchmark prints these figures of every lag that it is told late.
+  are reported within 2 s. The study prints these figures for every lag that is reported late.
 - A lag where the noise of positions or velocities hides the motion: regressions take that noise into account,
   and where the motion is not clearly above it, nothing is said of lags.
 - Which of two sources of one topic is right; and two sources whose levels are less than eight standard

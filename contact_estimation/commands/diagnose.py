@@ -65,7 +65,7 @@ def make_parser() -> Parser:
                         'friction, damping and armature for MuJoCo')
     parser.add_argument('--write-trajectory', metavar='FILE.csv',
                         help='write a motion by which the inertia of the links of --nominal-robot '
-                        'can be told, within its limits, and beside it FILE.yaml, the same as '
+                        'can be identified, within its limits, and beside it FILE.yaml, the same as '
                         'trajectory_msgs/msg/JointTrajectory')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
@@ -152,7 +152,7 @@ def refuse_same_data(
         if share_data(one, other):
             raise RecordingError(
                 f'every recording must be given once, but {one} holds the same data as {other}: '
-                'parts that are told from themselves prove nothing; leave one of them out')
+                'parts that are predicted from themselves prove nothing; leave one of them out')
     for tested in held_out:
         for path in fitted:
             if share_data(tested, path):

@@ -30,7 +30,7 @@ def make_parser() -> Parser:
     """Build the command line of `simulate`."""
     parser = Parser(
         prog='simulate',
-        description='Simulate a model on the command of a recording, interpolated as told and '
+        description='Simulate a model on the command of a recording, interpolated and '
         'sampled at its stamps, or on an experiment. A permanently attached wall without a robot '
         'is driven by the recorded force.',
     )
