@@ -65,8 +65,8 @@ def make_parser() -> Parser:
                         'friction, damping and armature for MuJoCo')
     parser.add_argument('--write-trajectory', metavar='FILE.csv',
                         help='write a motion by which the inertia of the links of --nominal-robot '
-                        'can be identified, within its limits, and beside it FILE.yaml, the same as '
-                        'trajectory_msgs/msg/JointTrajectory')
+                        'can be identified, within its limits, and beside it FILE.yaml, the '
+                        'same as trajectory_msgs/msg/JointTrajectory')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
