@@ -106,6 +106,18 @@ def test_numbers_of_typesetters_are_read(tmp_path: Path, number: str, value: flo
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [value, 0.5]
 
 
+@pytest.mark.parametrize('header, units', [
+    ('t [s],Fz [nN],z [nm],Tz [Nm]', ()), ('t,Fz,z,Tz [nm]', ('nN', 'nm'))])
+def test_case_tells_a_nanometre_from_a_newton_metre(
+    tmp_path: Path, header: str, units: tuple[str, ...]
+) -> None:
+    (tmp_path / 'a.csv').write_text(f'{header}\n0,1,5,3\n1,2,6,4\n')
+    found = ce.read_table(tmp_path / 'a.csv', units=units)
+    np.testing.assert_allclose(found['wrench.force.z'], [1e-9, 2e-9])
+    np.testing.assert_allclose(found['joint.z'], [5e-9, 6e-9])
+    np.testing.assert_allclose(found['wrench.torque.z'], [3.0, 4.0])
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
