@@ -118,6 +118,12 @@ def test_case_tells_a_nanometre_from_a_newton_metre(
     np.testing.assert_allclose(found['wrench.torque.z'], [3.0, 4.0])
 
 
+def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
+    rows = ''.join(f'{k};0;0\n' for k in range(300))
+    (tmp_path / 'a.csv').write_text(f't;F;x\n{rows}300;-0,125;0,5\n')
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])

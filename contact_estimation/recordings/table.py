@@ -9,6 +9,7 @@ import csv
 from math import prod
 from pathlib import Path
 from typing import Any, Callable
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
@@ -65,9 +66,12 @@ def _mat(path: Path) -> Columns:
     from scipy.io import loadmat, whosmat
 
     try:
-        _require_size(path, sum(prod(shape) for _, shape, _ in whosmat(path)))
-        return _of_arrays({name: value for name, value in loadmat(
-            path, simplify_cells=True).items() if not name.startswith('__')})
+        with catch_warnings():
+            simplefilter('ignore')  # of sizes in damaged files
+            _require_size(path, sum(prod(shape) for _, shape, _ in whosmat(path)))
+            found = loadmat(path, simplify_cells=True)
+        return _of_arrays({name: value for name, value in found.items()
+                           if not name.startswith('__')})
     except NotImplementedError as error:  # HDF5
         raise RecordingError(
             f"table {path} is a MAT file of version 7.3; save it with save(..., '-v7'), or as CSV "

@@ -191,7 +191,8 @@ def _number(cell: str, mark: str) -> float | None:
     if ',' in text and '.' in text:
         mark = max(',.', key=text.rfind)
     separators = ",\u00a0\u202f '’" if mark == '.' else ".\u00a0\u202f '’"
-    text = re.sub(rf'(?<=\d)[{separators}](?=\d{{3}}(?!\d))', '', text).replace(',', '.')
+    text = re.sub(rf'(?<=\d)(?<!^0)(?<!^-0)[{separators}](?=\d{{3}}(?!\d))', '', text)
+    text = text.replace(',', '.')
     try:
         return float(re.sub(r'(?<=[\d.])[dD](?=[+-]?\d)', 'e', text))  # Fortran's exponent
     except ValueError:
