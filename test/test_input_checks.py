@@ -199,3 +199,14 @@ def test_every_check_and_rejection_is_documented() -> None:
     names = [check.name for check in CHECKS] + [rejection.name for rejection in REJECTIONS]
     assert len(set(names)) == len(names)
     assert all(check.message and check.cause and check.remedy for check in CHECKS)
+
+
+def test_skew_after_a_long_free_flight_is_reported_within_2_s_of_contact() -> None:
+    noise = np.random.default_rng(0).normal(0.0, 0.6, 8000)
+    first, period = HEALTHY[0], HEALTHY[1].stamp_ns - HEALTHY[0].stamp_ns
+    flight = [first._replace(stamp_ns=k * period, force=force, velocity=0.0)
+              for k, force in enumerate(noise.tolist())]
+    later = [one._replace(stamp_ns=one.stamp_ns + len(flight) * period) for one in HEALTHY]
+    session, _ = fed([*flight, *later], wrench_late_ms=10)
+    touch_ns = next(one.stamp_ns for one in later if one.force < -4.0) + 1000 * MILLISECOND
+    assert session.checks.found['stamp_skew', 'x'].first_ns - touch_ns < 2000 * MILLISECOND

@@ -136,8 +136,7 @@ def topics_of(options: Any) -> dict[str, str]:
         name, found, topic = remap.partition(':=')
         if not found or not topic:
             raise RecordingError(
-                f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench'
-            )
+                f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench')
         topics[name] = topic
     return topics
 
@@ -184,20 +183,17 @@ def new_file(path: str) -> Path:
     file = Path(path)
     if not file.absolute().parent.is_dir():
         raise RecordingError(
-            f'cannot write {path}: folder {file.parent} does not exist; make it first'
-        )
+            f'cannot write {path}: folder {file.parent} does not exist; make it first')
     if file.is_dir():
         raise RecordingError(f'cannot write {path}: it is a folder; choose a file in it')
     if file.is_file() and is_recording(file):
         raise RecordingError(
             f'cannot write {path}: it is a recording, and recordings are never overwritten; '
-            'choose another file'
-        )
+            'choose another file')
     if is_bag_folder(file.resolve().parent):
         raise RecordingError(
             f'cannot write {path}: its folder is a rosbag2 recording, and recordings are never '
-            'changed; choose another folder'
-        )
+            'changed; choose another folder')
     return file
 
 
@@ -207,8 +203,7 @@ def new_folder(path: str) -> Path:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise RecordingError(
             f'--output {path} exists already and is not empty, and recordings are never '
-            'overwritten; choose another folder'
-        )
+            'overwritten; choose another folder')
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -223,8 +218,7 @@ def different_files(
             if any(_same_file(path, file) for file in files if file):
                 raise RecordingError(
                     f'cannot write {path}: it is {meaning}, which would be lost; choose another '
-                    'file'
-                )
+                    'file')
         if any(_same_file(path, other) for other in taken):
             raise RecordingError(f'two results cannot both be written to {path}; choose two files')
         taken.append(path)

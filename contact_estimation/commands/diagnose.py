@@ -153,16 +153,14 @@ def refuse_same_data(
         if share_data(one, other):
             raise RecordingError(
                 f'every recording must be given once, but {one} holds the same data as {other}: '
-                'parts that are told from themselves prove nothing; leave one of them out'
-            )
+                'parts that are predicted from themselves prove nothing; leave one of them out')
     for tested in held_out:
         for path in fitted:
             if share_data(tested, path):
                 raise RecordingError(
                     f'--holdout {tested} must be another recording than those of the fit, but '
                     f'holds the same data as {path}: a test on the data of the fit proves '
-                    'nothing; hold out another recording, or leave --holdout out'
-                )
+                    'nothing; hold out another recording, or leave --holdout out')
 
 
 def _write(

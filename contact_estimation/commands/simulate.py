@@ -90,8 +90,7 @@ def _new_recording(path: str) -> Path:
     file = Path(path)
     if file.exists():
         raise RecordingError(
-            f'--output {path} exists, and recordings are never overwritten; choose another file'
-        )
+            f'--output {path} exists, and recordings are never overwritten; choose another file')
     return new_file(path)
 
 
@@ -104,14 +103,12 @@ def _simulate_like(model: PlantParameters, signals: RecordedSignals, options: An
                 'other courses are for the force that drives an attached wall')
         start, held = _start(signals), options.between == 'held'
         return simulate_command(
-            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held
-        )
+            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held)
     if model.environment.unilateral:
         raise RecordingError(
             f'{recording} has no reference_trajectory; expected one, because only a permanently '
             'attached wall (environment.unilateral false) can be simulated without a robot; '
-            'choose the topic with --topic reference_trajectory:=/name'
-        )
+            'choose the topic with --topic reference_trajectory:=/name')
     if len(wrench) < 2:
         raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
     return simulate_force(
