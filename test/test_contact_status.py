@@ -74,6 +74,16 @@ def test_pull_is_no_contact_and_says_so() -> None:
     assert all(one.reason for one in first)
 
 
+def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
+    samples = two_presses()
+    zero = np.where(samples.t > 3.84, 2.0, 0.0)  # steps while the tool withdraws
+    known, *_, lost = estimates_of(samples._replace(force=samples.force + zero))[int(
+        np.searchsorted(samples.t, 3.0)):]
+    assert (known.stiffness_std < 0.01 * K, known.reason) == (True, '')
+    assert lost.status is FREE and lost.stiffness_std != lost.stiffness_std
+    assert 'the stiffness has no band' in lost.reason
+
+
 def laws(**chosen: float) -> tuple[float, ...]:
     return tuple(chosen.get(name, 0.0) for name in LAWS)
 

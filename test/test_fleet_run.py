@@ -13,10 +13,11 @@ from contact_estimation.commands import fleet as command_module
 from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.findings import changes
 from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.one_recording import Result
+from contact_estimation.fleet.one_recording import process, Result
 from contact_estimation.fleet.page import as_html, SECTIONS
 from contact_estimation.fleet.run import Fleet, Pool, PooledResult, run_fleet
 from contact_estimation.fleet.table import as_parquet, COLUMNS, rows_of
+from contact_estimation.plant.plant_parameters import read_model
 from contact_estimation.scheduling import Answer, Call
 from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording
 from fleet_entries import archive, outcome, report
@@ -167,6 +168,21 @@ def test_wrong_options_are_refused_in_one_line(
     fleet = Command('fleet', command_module.main, capfd)
     assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
                                  *options)
+
+
+def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(
+    recordings: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for package in ('distributed', 'pyarrow', 'matplotlib'):
+        pytest.importorskip(package)
+    model = write_model(tmp_path / 'model.yaml', physics={'coulomb_friction': {'F_c': 2.0}})
+    (tmp_path / 'empty').mkdir()
+    fleet = Command('fleet', command_module.main, capfd)
+    refusal = fleet.refusal(tmp_path / 'empty', '--nominal', model, '--output', tmp_path / 'out')
+    assert 'no recording at' in refusal
+    settings = Settings.of(read_model(model))
+    outcome = process(str(recordings / 'run_2.mcap'), settings, False).outcome
+    assert (outcome['error'], outcome['report']['verdict']) == ('', 'consistent')
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from .command_line import (
     add_params_option, add_source_options, add_tare_option, chosen_parameters, command,
     different_files, Parser, reading_of, require_at_least, topics_of)
 from .progress import Progress
-from ..exceptions import ParameterRangeError, RecordingError
+from ..exceptions import RecordingError
 from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, skipped_files
 from ..fleet.fingerprint import Settings
@@ -20,7 +20,6 @@ from ..fleet.page import as_html
 from ..fleet.run import Fleet, run_fleet, write_whole
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters import without
-from ..physics import effects_that_are_on
 from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
@@ -97,15 +96,10 @@ def run(options: Any) -> int:
 
 
 def _settings(options: Any) -> Settings:
-    model = read_model(options.nominal)
-    named = [effect.name for effect in effects_that_are_on(model.physics)]
-    if named:
-        raise ParameterRangeError(
-            f'the nominal model must have no physics, got {", ".join(named)}; remove it: the '
-            'diagnosis names the physics that a model without any lacks')
     return Settings.of(
-        model, topics=topics_of(options), axis=options.axis or 'x', joint=options.joint or '',
-        seed=options.seed, most_samples=options.most_samples, reading=reading_of(options),
+        read_model(options.nominal), topics=topics_of(options), axis=options.axis or 'x',
+        joint=options.joint or '', seed=options.seed, most_samples=options.most_samples,
+        reading=reading_of(options),
         parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
 
 

@@ -139,7 +139,8 @@ def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:
     names = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
     values = {name: getattr(estimate, name) for name in names}
     finite = {name: value if isfinite(value) else None for name, value in values.items()}
-    return {**finite, 'status': estimate.status.value, 'model_fit': _fit_of(monitor)}
+    return {**finite, 'status': estimate.status.value, 'reason': estimate.reason,
+            'model_fit': _fit_of(monitor)}
 
 
 def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
@@ -167,7 +168,8 @@ def print_summary(summary: dict[str, Any]) -> None:
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
     for axis, tare in summary.get('tare', {}).items():
         print(f'  {axis}: {Tare(**tare)}')
-    print(f'  status    {summary["status"]:>12}')
+    reason = f': {printable(summary["reason"])}' if summary['reason'] else ''
+    print(f'  status    {summary["status"]:>12}{reason}')
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
               f'(until {summary["model_fit"]["worst_stamp"]} s)')
@@ -179,7 +181,7 @@ def print_summary(summary: dict[str, Any]) -> None:
         _print_matrix(summary['stiffness_matrix'])
     for axis, own in list(summary.get('axes', {}).items())[1:]:
         print(f'  axis {axis}: stiffness {own["stiffness"]:.6g} N/m, damping {own["damping"]:.6g} '
-              f'N s/m, {own["status"]}')
+              f'N s/m, {own["status"]}' + (f': {own["reason"]}' if own['reason'] else ''))
     _print_losses(summary)
 
 

@@ -44,6 +44,7 @@ LOCATING = 'locating the surface'
 _WEAK = 'force within the noise'
 _RELEASED = 'the wall has let go, and the sensor follows'
 _NEITHER = 'a force that is neither that of free flight nor of the wall'
+_LOST = 'the stiffness has no band: the last contact left open what it is; touch down again'
 
 
 class EstimationPipeline:
@@ -553,7 +554,9 @@ class EstimationPipeline:
             if now.valid:
                 return self._held, _ESTIMATING, ''
             return self._held, _FROZEN, LOCATING
-        return self._held, _FREE, '' if state == FREE else _NEITHER
+        lost = now.stiffness == now.stiffness and not now.valid
+        reasons = (_NEITHER,) * (state != FREE) + (_LOST,) * lost
+        return self._held, _FREE, '; '.join(reasons)
 
     def _by_rows(
         self, dt: float, sample: ContactSample, shift: float, pressing: float,
