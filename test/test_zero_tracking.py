@@ -87,6 +87,29 @@ def test_a_step_of_a_tracked_zero_is_told(
     assert told and 'stepped by +6 N' in told[0]
 
 
+@pytest.mark.parametrize('place', ['in free flight', 'in contact'])
+def test_a_step_of_a_tracked_zero_is_followed_where_it_is_seen_and_else_told(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], place: str
+) -> None:
+    stamp_ns, force, x = touches()
+    pressing = np.flatnonzero(force < -10.0)
+    at = 250 if place == 'in free flight' else int(pressing[200])
+    stepped = force + np.where(np.arange(len(x)) > at, -6.0, 0.0)
+    run = tmp_path / 'run.mcap'
+    ce.write_recording(run, {'t_ns': stamp_ns, 'wrench.force.x': stepped, 'joint.x': x})
+    recording = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'})
+    left = recording.signals.force - force
+    if place == 'in free flight':
+        assert np.sqrt(np.mean(left**2)) < 0.1
+        return
+    end = int(pressing[200]) + int(np.argmax(x[pressing[200]:] < -0.005))
+    assert np.median(left[end:]) - np.median(left[:at]) == pytest.approx(-6.0, abs=0.2)
+    Command('replay', replay, capfd)(run, '--tare', 'tracked', '--json', tmp_path / 'a.json')
+    told = [one['text'] for one in json.loads((tmp_path / 'a.json').read_text())['warnings']
+            if one['name'] == 'zero_step']
+    assert told and 'stepped by -6 N between' in told[0]
+
+
 def test_diagnosis_takes_the_force_less_its_tracked_zero(tmp_path: Path) -> None:
     run = drifting(tmp_path, 0.5)
     found = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'}).signals

@@ -13,10 +13,12 @@ from .parameters import EstimationParameters
 from ..estimators.estimate import EstimateStatus
 from ..exceptions import RecordingError
 from ..signals.contact_sample import ContactSample
+from ..signals.stream_faults import zero_steps
 
 Array = NDArray[np.float64]
 
 _WINDOW_S = 0.5  # of free flight, as of a tare
+_AT_ONCE = 2.5  # samples
 
 
 def tracked_zero(
@@ -27,7 +29,9 @@ def tracked_zero(
 
     Free flight is where the pipeline that tracks the zero on line finds it. Between the medians of
     each half second of it the zero is interpolated: unlike on line, also the later free flight is
-    known.
+    known. A step from one sample of free flight to the next is followed. One from before a contact
+    to after it is no drift, and nobody knows when it came: it is left in the force, where checks
+    see it.
 
     stamp_ns (N,): stamps [ns]
     x, force (N,): position along the normal [m] and F_e [N]
@@ -37,17 +41,26 @@ def tracked_zero(
     found = pipeline.process(map(ContactSample, stamp_ns.tolist(), x.tolist(),
                                  np.full(len(x), np.nan).tolist(), force.tolist()))
     free = np.array([one.status is EstimateStatus.FREE for one in found])
+    free |= x < pipeline.location - pipeline.location_margin
     t = 1e-9 * (stamp_ns - stamp_ns[0])
+    noise = max(pipeline.noise_std, parameters.contact.force_noise)
+    resting = bool(parameters.tool.mass) or not parameters.kinematics.tip  # else a weight turns
+    steps = zero_steps(t[free], force[free], noise, resting)
+    steady, followed = force.copy(), np.zeros(len(t))
+    for step in steps:
+        steady[t >= step.end] -= step.size
+        if step.end - step.begin < _AT_ONCE * pipeline.sample_period_s:
+            followed[t >= step.end] += step.size
     times, levels = [], []
     for window in np.split(np.flatnonzero(free), _ends(t, free)):
         if len(window) > 1:
             times.append(float(np.mean(t[window])))
-            levels.append(float(np.median(force[window])))
+            levels.append(float(np.median(steady[window])))
     if not times:
         raise RecordingError(
             'force_sensor.zero: tracked needs free flight, but the tool is in contact all the '
             'time; give --tare A:B or physics.force_bias.bias')
-    return np.interp(t, times, levels)
+    return followed + np.interp(t, times, levels)
 
 
 def _ends(t: Array, free: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -10,7 +10,6 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .check import Check, Evidence
-from ...kinematics.parameters import TRACKED
 from ...signals.stream_faults import Bursts, CLEAR, Courses, courses_of, zero_steps, ZeroStep
 
 
@@ -109,9 +108,7 @@ class ZeroSteps(Check):
         until = int(np.searchsorted(t, seen.start_s + 0.25 * (seen.end_s - seen.start_s)))
         first = max(until - _KEPT, 0)
         seen.memory['free_flight'] = seen.bias, t[first:], force[first:]
-        # A zero that is tracked drifts: only what happens from one sample to the next is a step.
-        drifts = seen.parameters.force_sensor.zero == TRACKED
-        return zero_steps(t, force, seen.configured_noise, not (seen.may_be_weight or drifts))
+        return zero_steps(t, force, seen.configured_noise, not seen.may_be_weight)
 
 
 def _when(step: ZeroStep, period: float) -> str:
