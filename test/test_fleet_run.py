@@ -6,14 +6,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Any, Iterator, Mapping
 
 from contact_estimation.commands import fleet as command_module
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.findings import changes
 from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.one_recording import process, Result
+from contact_estimation.fleet.one_recording import Episodes, process, Result
 from contact_estimation.fleet.page import as_html, SECTIONS
 from contact_estimation.fleet.run import Fleet, Pool, PooledResult, run_fleet
 from contact_estimation.fleet.table import as_parquet, COLUMNS, rows_of
@@ -168,6 +170,17 @@ def test_wrong_options_are_refused_in_one_line(
     fleet = Command('fleet', command_module.main, capfd)
     assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
                                  *options)
+
+
+def test_an_estimate_that_lost_its_band_is_no_value_of_a_contact() -> None:
+    one = Estimate(0, 4800.0, 200.0, 5.0, 2.0, 0.0, nan, EstimateStatus.ESTIMATING, '', 1.0)
+    values = {}
+    for name, std in (('kept', [5.0, 4.0]), ('lost', [5.0, nan]), ('never', [nan, nan])):
+        episodes = Episodes()
+        episodes.add(one._replace(stamp_ns=k * 10**9, stiffness_std=value)
+                     for k, value in enumerate(std))
+        values[name] = episodes.found()[0]['stiffness']
+    assert values == {'kept': 4800.0, 'lost': None, 'never': 4800.0}
 
 
 def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(

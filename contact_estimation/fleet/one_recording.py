@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
@@ -43,6 +43,7 @@ class Episodes:
         self.last_ns: int | None = None
         self._begin_ns = 0
         self._last: Estimate | None = None
+        self._had_band = False  # in the present contact
         self._found: list[dict[str, Any]] = []
 
     def add(self, estimates: Iterable[Estimate]) -> None:
@@ -55,15 +56,17 @@ class Episodes:
                 self._finish()
             else:
                 if self._last is None:
-                    self._begin_ns = estimate.stamp_ns
+                    self._begin_ns, self._had_band = estimate.stamp_ns, False
                 self._last = estimate
+                self._had_band |= isfinite(estimate.stiffness_std)
 
     def found(self) -> list[dict[str, Any]]:
         """
         Return the contacts.
 
         Returns episodes: number from 1, begin and end [s] since the first sample, status and
-        estimates at the end; None for what is not estimated. Contacts under 0.2 s are left out.
+        estimates at the end; None for what is not estimated, or has lost its band by what
+        contradicts it. Contacts under 0.2 s are left out.
         """
         self._finish()
         return self._found
@@ -74,7 +77,8 @@ class Episodes:
             return
         begin, end = ((stamp - self.first_ns) * 1e-9 for stamp in (self._begin_ns, last.stamp_ns))
         if end - begin >= _LEAST_CONTACT_S:
-            values = {name: float(getattr(last, name)) for name in _VALUES}
+            lost = self._had_band and not isfinite(last.stiffness_std)
+            values = {name: nan if lost else float(getattr(last, name)) for name in _VALUES}
             self._found.append({
                 'episode': len(self._found) + 1, 'begin_s': begin, 'end_s': end,
                 'status': last.status.value,
