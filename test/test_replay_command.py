@@ -11,6 +11,7 @@ from pathlib import Path
 import subprocess
 import sys
 
+import contact_estimation as ce
 from contact_estimation.commands import replay
 from contact_estimation.estimators.estimate import Estimate
 from contact_estimation.pipeline.parameters import EstimationParameters
@@ -18,6 +19,7 @@ from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from core_runs import contact_samples
+import numpy as np
 import pytest
 from run_commands import Command
 
@@ -184,3 +186,16 @@ def test_process_prints_one_line_and_no_traceback(tmp_path: Path) -> None:
     )
     assert (run.returncode, run.stdout) == (1, '')
     assert len(run.stderr.splitlines()) == 1
+
+
+def test_a_force_that_is_no_contact_is_said_with_its_reason(
+    tmp_path: Path, command: Command
+) -> None:
+    t = np.arange(0.0, 6.0, 0.002)
+    noise = np.random.default_rng(1).normal(0.0, 0.3, len(t))
+    write = {'t_ns': np.round(1e9 * t).astype(np.int64), 'joint.x': -0.1 + 0.002 * t,
+             'wrench.force.x': np.where(t > 2.0, 5.0, 0.0) + noise}  # pulls
+    ce.write_recording(tmp_path / 'pull.mcap', write)
+    refusal = command.refusal(tmp_path / 'pull.mcap')
+    assert 'no contact seen' in refusal
+    assert 'a force that is neither that of free flight nor of the wall' in refusal

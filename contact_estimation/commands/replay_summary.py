@@ -33,7 +33,7 @@ class Replayed:
     first, last: of the first and the last sample; empty before any
     samples: their number
     statuses: that occurred on any axis
-    reasons: for which samples in contact, on any axis, changed no estimate
+    reasons: for which samples, on any axis, changed no estimate
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,8 @@ class Replayed:
         self.statuses.update([own.status for axes in estimates for own in axes])
         if EstimateStatus.ESTIMATING not in self.statuses:  # they are asked for only then
             self.reasons.update([own.reason or 'no reason given' for axes in estimates
-                                 for own in axes if own.status is EstimateStatus.FROZEN])
+                                 for own in axes if own.reason
+                                 or own.status is EstimateStatus.FROZEN])
 
 
 def refuse_empty(
@@ -118,10 +119,11 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
     causes = [found.warned.text for found in replay.session.checks.ordered_warnings()
               if found.warned.name != _NO_CAUSE]
     cause = causes[0] if causes else ''
-    if replayed.statuses == {EstimateStatus.FREE}:
-        return (f'no contact seen in {recording}: '
-                f'{cause or replay.session.checks.explain_no_contact(axis)}')
     held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3))
+    if replayed.statuses == {EstimateStatus.FREE}:
+        explained = replay.session.checks.explain_no_contact(axis)
+        return (f'no contact seen in {recording}: {cause or explained}'
+                + f' (of {replayed.samples} samples {held})' * bool(held))
     return (f'nothing could be estimated in {recording}: '
             f'{cause or f"no sample in contact could be used ({held})"}')
 

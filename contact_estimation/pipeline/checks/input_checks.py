@@ -311,9 +311,11 @@ class InputChecks:
         """Return what forces and positions there were instead of a contact."""
         deepest, pressing = self._window.most(axis)
         pipeline = self._pipelines[axis]
+        place = ('environment.location is taken at first touch'
+                 if pipeline.location != pipeline.location
+                 else f'where environment.location is {pipeline.location:.4g} m')
         return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
-                f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, where '
-                f'environment.location is {pipeline.location:.4g} m')
+                f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, {place}')
 
     def _text(self, check: Check, axis: str) -> str:
         text, count = self._active.get((check.name, axis), ('', 0))
