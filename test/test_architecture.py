@@ -16,7 +16,7 @@ LAYERS = [
     'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages',
     'recordings', 'signals', 'kinematics', 'studies.foreign_laws', 'physics', 'reference',
     'estimators', 'pipeline', 'plant', 'studies.reproduction',
-    'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
+    'diagnosis.observe', 'diagnosis.compare', 'diagnosis.checks', 'diagnosis.fit',
     'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
     'studies.blind_trials',
     'fleet', 'watch', 'ros', 'commands', 'studies.benchmarks', 'studies.arms',

@@ -12,6 +12,8 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compare.constants import CONSTANTS
+from ..observe.shares import MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ...physics import EFFECTS
 
@@ -57,14 +59,10 @@ def of_families(*families: str) -> frozenset[str]:
     return frozenset(name for name, cls in EFFECTS.items() if cls.family in families)
 
 
-# Shares of a range or of what is expected, in four steps of a factor of two to three. The checks
-# ask for no more: what they find differs from what is right by factors.
-SLIGHT, LITTLE, MUCH, MOST = 0.02, 0.1, 0.25, 0.5
-
 FOLLOWS, UNRELATED = sqrt(MOST), sqrt(MUCH)
 """Correlations: one signal explains most of the variance of another, or not much of it."""
 
-WORTH_A_NAME = 0.006
+WORTH_A_NAME = CONSTANTS.instrument
 """Share of the range of the force below which nothing is named, see `conclude`."""
 
 STRAIGHT = SLIGHT

@@ -16,13 +16,11 @@ from .dependence import Dependence
 from .location import Location
 from ..checks.check import Check
 from ..compare.beam import Compared
-from ..compare.evidence import Share
+from ..compare.evidence import NOISE_IS_KNOWN, Share
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
-
-_BEYOND = 1.2  # times the noise: an error that shows a misfit
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ class Errors:
         """
         if self.recalibrated is None or self.corrected is None:
             return None
-        some = (_BEYOND * noise) ** 2
+        some = (NOISE_IS_KNOWN * noise) ** 2
         share = 1.0 - (self.corrected**2 - noise**2) / max(
             max(self.recalibrated**2, some) - noise**2, 1e-300)
         shown = self.recalibrated**2 > max(least**2, some)

@@ -247,7 +247,11 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            other = compare(view, progress, seen.models.parts)
+            if view.between == seen.view.between:
+                other = compare(view, progress, seen.models.parts)
+            else:  # the same laws at other values
+                again = search(other.models, progress, other.compared)
+                other = _smoothed(other._replace(compared=again), progress)
             if _promises(other, seen):
                 seen = other
     return seen
