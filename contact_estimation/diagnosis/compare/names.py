@@ -136,17 +136,20 @@ def _dropped(
     kept = [one for one in named.names if one.effect not in effects]
     gone = [effect for effect in effects if effect not in stays]
     if not any(one.effect not in ZEROS for one in kept):  # nothing is left that needs them
-        names = {one.effect for one in kept}
-        gone = [effect for effect, family in zip(named.model.effects, named.model.families)
-                if family and effect not in names]
+        gone = sorted(_own(named.model) - {one.effect for one in kept})
     model = _known(compared, named.model, gone, without)
     return None if model is None else named._replace(model=model, names=kept)
 
 
 def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
-    """Divide what is explained among the names: zeros first, then the law that takes away most."""
+    """
+    Divide what is explained among the names: zeros first, then the law that takes away most.
+
+    Zeros that are not named count with the first law, which needs them.
+    """
     left, found = [one.effect for one in named.names], dict[str, Part]()
-    present = _known(compared, named.model, left, without)
+    zeros = sorted(_own(named.model) & {*ZEROS} - {*left})
+    present = _known(compared, named.model, [*left, *zeros], without)
     while left and present is not None:
         shares = dict[str, tuple[Share, Scored]]()
         for one in [one for one in left if one in ZEROS] or left:
@@ -164,6 +167,11 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
         if last is not None and part.share.share < compared.evidence.constants.worth:
             found[effect] = max(part, part._replace(share=last), key=lambda one: one.share.share)
     return found
+
+
+def _own(model: Scored) -> set[str]:
+    """Return the effects of a model that the nominal one has not."""
+    return {effect for effect, family in zip(model.effects, model.families) if family}
 
 
 def _beside(compared: Compared, named: Named, effect: str, without: Without) -> Share | None:
