@@ -244,12 +244,12 @@ _COLUMNS = ('trials', 'found', 'alone', 'extra', 'alarms', 'param.', 'force', 'f
             'B_e')  # trials, then the first metrics
 
 
-def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
+def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
     """Return a study as JSON content."""
     return {
         'count': sum(bool(s.effect) for s in scores),
         'clean': sum(not s.effect for s in scores),
-        'seed': seed,
+        'seed': seeds[0] if len(seeds) == 1 else list(seeds),
         'totals': _metric_dicts(scores),
         'groups': {kind: {label: _metric_dicts(part) for label, part in parts.items()}
                    for kind, parts in groups(scores).items()},
