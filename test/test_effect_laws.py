@@ -11,6 +11,7 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.effect import Need
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.robot_friction import RobotFriction
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
 from effect_formulas import Array, FORMULAS, SENSED
@@ -120,7 +121,7 @@ def test_robot_on_arrays_moves_as_the_plant() -> None:
 
 
 def test_friction_holds_a_robot_at_rest_by_what_it_needs_up_to_its_bound() -> None:
-    robot = RobotLaw(M_t, B_t, K_t, [EFFECTS['robot_friction'](F_c=2.0)])
+    robot = RobotLaw(M_t, B_t, K_t, [RobotFriction(2.0)])
     still, pushed = np.zeros(3), np.array([-1.5, 0.0, 5.0])
     drive = robot.force_along(np.arange(3.0), still, still, np.zeros((4, 3)), pushed, 1e-2)
     np.testing.assert_allclose(drive, [1.5, 0.0, -2.0], atol=1e-9)

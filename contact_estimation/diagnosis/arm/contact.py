@@ -9,9 +9,9 @@ from dataclasses import replace
 from os import PathLike
 from typing import Any, Callable, Mapping, Sequence
 
-from ..conclude.diagnose import diagnose
-from ..conclude.result import Diagnosis
+from ..diagnose import diagnose
 from ..observe.signals import read_recording, without_reference
+from ..result import Diagnosis
 from ...plant.plant_parameters import PlantParameters
 
 COMPLIANCE = 'a compliance of joints, tool or mount in series with the wall'

@@ -12,7 +12,6 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compare.constants import CONSTANTS
 from ..observe.shares import MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ...physics import EFFECTS
@@ -62,7 +61,7 @@ def of_families(*families: str) -> frozenset[str]:
 FOLLOWS, UNRELATED = sqrt(MOST), sqrt(MUCH)
 """Correlations: one signal explains most of the variance of another, or not much of it."""
 
-WORTH_A_NAME = CONSTANTS.instrument
+WORTH_A_NAME = 0.006
 """Share of the range of the force below which nothing is named, see `conclude`."""
 
 STRAIGHT = SLIGHT

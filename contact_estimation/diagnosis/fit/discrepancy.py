@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
+from .constants import CONSTANTS
 from .fitting import differentiate_by, Fit, jacobian_at, residual_function
-from ..checks.check import WORTH_A_NAME
 from ..observe.channel import Channel, Discount, LEAST_VARIANCE, sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -213,7 +213,7 @@ def material(recordings: Recordings, model: Model) -> set[int]:
 
 def least_material(recording: PreparedRecording) -> float:
     """Return the least force that is worth a name."""
-    return WORTH_A_NAME * recording.observed.force_range
+    return CONSTANTS.instrument * recording.observed.force_range
 
 
 def force_of_motion(recording: PreparedRecording, model: Model) -> float:
