@@ -110,6 +110,28 @@ def trifle(diagnosis: Diagnosis) -> str:
             f'range of the force: {reason}')
 
 
+def held_out_result(diagnosis: Diagnosis) -> str:
+    """Return the effect of the correction on held-out data; '' if there are no errors."""
+    d = diagnosis
+    before, after = d.pair
+    changed = bool(d.effects) or d.verdict == 'recalibrate'
+    parts = []
+    for errors, signal, factor, unit in (
+        (d.force, 'force', 1.0, 'N'), (d.motion, 'free-run position', 1e6, 'µm'),
+    ):
+        first, last = getattr(errors, before), getattr(errors, after)
+        if first is None or last is None:
+            continue
+        first_text, last_text = (f'{factor * value:.3g} {unit}' for value in (first, last))
+        change = 'falls' if last < first else 'rises'
+        parts.append(f'the {signal} error ' + (
+            f'{change} from {first_text} to {last_text}' if changed else f'is {first_text}'))
+    if not parts:
+        return ''
+    return (f'On held-out data {" and ".join(parts)} (rms); '
+            f'the force noise is {d.noise_floor:.3g} N.')
+
+
 def improvement(diagnosis: Diagnosis) -> str:
     """Return the interval of the relative improvement in words; '' without named effects."""
     if diagnosis.improvement is None or not diagnosis.effects:
