@@ -56,6 +56,7 @@ class ArmModels:
         every = [term for term in gram.channels.terms if term.effect != 'force_bias']
         self.zeros = frozenset(gram.channels.terms) - frozenset(every)
         self._shared = [term for term in every if term in gram.shared]
+        self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
                        for j in gram.joints}
         counts: dict[str, set[Place]] = {}
@@ -196,12 +197,26 @@ class ArmModels:
                          if term in self.gram.shared or group_of(term)[0] in _PLAIN)
         gains = []
         for term in self._can_add(model, self._shared):
-            gain, best = max((self.score(start | {term}) - self.score(start), k)
-                             for k, start in enumerate((model, core)))
-            if gain > -_NEAR:  # the laws of the joints are bent to do without it
-                gains.append((gain, (model, core)[best] | {term}))
+            starts = [self._possible(start, term) for start in (model, core)]
+            here, bare = (self.score(wider) - self.score(start)
+                          for wider, start in zip(starts, (model, core)))
+            if max(here, bare) > -_NEAR:  # the laws of the joints are bent to do without it
+                gains.append((max(here, bare), starts[:1 + (bare > here)]))
         gains.sort(key=lambda pair: -pair[0])
-        return self._known([self._refined(start) for _, start in gains[:_TRIED]])
+        return self._known([self._refined(start) for _, starts in gains[:_TRIED]
+                            for start in starts])
+
+    def _possible(self, model: Model, term: Term) -> Model:
+        """Add a law, in place of those of joints that stand in for it: impossible beside it."""
+        wider = model | {term}
+        while self.score(wider) == -np.inf:
+            theta = self.gram.fit(wider).theta
+            stand_in = {one for one in wider - self._shared_laws - self.zeros
+                        if not JOINT_EFFECTS[one.effect].possible(theta[one])}
+            if not stand_in:
+                break
+            wider -= stand_in
+        return wider
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models without each law of a model, and with another in its place."""
