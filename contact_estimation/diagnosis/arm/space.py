@@ -197,8 +197,8 @@ class ArmModels:
                          if term in self.gram.shared or group_of(term)[0] in _PLAIN)
         gains = []
         for term in self._can_add(model, self._shared):
-            starts = [self._possible(start, term) for start in (model, core)]
-            here, bare = (self.score(wider) - self.score(start)
+            starts = [self._possible(start | {term}) for start in (model, core)]
+            here, bare = (self._promise(wider) - self.score(start)
                           for wider, start in zip(starts, (model, core)))
             if max(here, bare) > -_NEAR:  # the laws of the joints are bent to do without it
                 gains.append((max(here, bare), starts[:1 + (bare > here)]))
@@ -206,17 +206,22 @@ class ArmModels:
         return self._known([self._refined(start) for _, starts in gains[:_TRIED]
                             for start in starts])
 
-    def _possible(self, model: Model, term: Term) -> Model:
-        """Add a law, in place of those of joints that stand in for it: impossible beside it."""
-        wider = model | {term}
-        while self.score(wider) == -np.inf:
-            theta = self.gram.fit(wider).theta
-            stand_in = {one for one in wider - self._shared_laws - self.zeros
+    def _promise(self, model: Model) -> float:
+        """Return the score of a model even if its values are not possible before refinement."""
+        score = self.score(model)
+        return score if np.isfinite(score) else self._zero.score(
+            self.as_scored(model, self.gram.fit(model)))
+
+    def _possible(self, model: Model) -> Model:
+        """Drop laws of joints whose values are not possible: another law does what they did."""
+        while self.score(model) == -np.inf:
+            theta = self.gram.fit(model).theta
+            stand_in = {one for one in model - self._shared_laws - self.zeros
                         if not JOINT_EFFECTS[one.effect].possible(theta[one])}
             if not stand_in:
                 break
-            wider -= stand_in
-        return wider
+            model -= stand_in
+        return model
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models without each law of a model, and with another in its place."""
