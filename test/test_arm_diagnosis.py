@@ -128,6 +128,11 @@ def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint()
     ('angle_unit', {'q': np.degrees}),
     ('torque_unit', {'tau': lambda tau: 1000.0 * tau}),
     ('torque_unit', {'tau': lambda tau: tau / 100.0}),
+    ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0]}),
+    ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0],
+                       'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),
+    ('torque_gravity', {'tau': lambda tau: tau - weight()}),
+    ('torque_external', {'tau': lambda tau: 0.05 * np.ptp(tau, axis=0) * np.tanh(motion().v)}),
 ])
 def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) -> None:
     found = diagnose_arm(arm_recording(**changes), URDF)
@@ -135,10 +140,37 @@ def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) 
     assert found.refused and not found.effects and as_dict(found)['verdict'] == 'unexplained'
 
 
-def test_placeholder_masses_are_refused() -> None:
+def weight() -> Any:
+    """Return the torques of gravity along the motion."""
+    still = np.zeros_like(motion().q)
+    return ArmDynamics(URDF).torque(motion().q, still, still)
+
+
+def test_an_accumulator_is_named_and_no_unit_is_blamed() -> None:
+    def held(tau: Any) -> Any:
+        q = motion().q[:, 1] - motion().q[:, 1].mean()
+        return tau + np.outer(35.0 * np.sin(q) / (0.4 + 0.6 * np.cos(q)), [0.0, 1.0, 0.0])
+
+    found = diagnose_arm(arm_recording(tau=held), URDF)
+    assert not found.refused
+    beyond = [(one.family, one.term.place) for one in found.effects if one.family != 'friction']
+    assert beyond == [('elastic_law', 1)], as_text(found)
+
+
+def test_rests_without_the_ways_between_them_are_refused() -> None:
+    t = motion().t
+    rest = (t // 4.0).astype(int)
+    poses = motion().q[np.searchsorted(t, 4.0 * rest)]
+    one = replace(arm_recording(q=lambda q: poses), t=t + 3.0 * rest)
+    found = diagnose_arm(one, URDF)
+    assert found.refused and 'move every joint' in as_text(found)
+
+
+@pytest.mark.parametrize('mass', ['0.01', '1.0'])
+def test_placeholder_masses_are_refused(mass: str) -> None:
     root = ElementTree.fromstring(URDF)
-    for mass in root.iter('mass'):
-        mass.set('value', '0.01')
+    for one in root.iter('mass'):
+        one.set('value', mass)
     found = diagnose_arm(arm_recording(), ElementTree.tostring(root, encoding='unicode'))
     assert found.refused and 'placeholders' in as_text(found)
 

@@ -23,6 +23,7 @@ _PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'zero')
 """Groups that most joints have; others may be bent to hide a law that joints share."""
 
 _PAIR = ('dry_friction', 'viscous_friction')
+_USUAL = ('coulomb_friction', 'viscous_friction', 'reflected_inertia', 'joint_spring')
 
 _TRIED, _STEPS, _ROUNDS = 4, 12, 3  # shared laws refined; steps in a joint; passes over joints
 _NEAR = 8.0  # nats below the best, up to which a law is compared in the place of another
@@ -59,6 +60,8 @@ class ArmModels:
         self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
                        for j in gram.joints}
+        self._sharp = {j: min(term.shape for term in terms if term.effect == 'coulomb_friction')
+                       for j, terms in self._local.items()}
         counts: dict[str, set[Place]] = {}
         for term in every:
             counts.setdefault(term.effect, set()).add(term.place)
@@ -151,9 +154,20 @@ class ArmModels:
         """Improve the laws of one joint, with the shared coefficients as they are."""
         judge = _JointJudge(self, model, k)
         mine = frozenset(judge.local)
-        rest, here = model - mine, judge.score(mine)
+        # Laws that lack together hide each other: from all usual ones, too, down to what is needed.
+        usual = {term for term in self._local[j]
+                 if term.effect in _USUAL and not term.shape > self._sharp[j]}
+        ends = [self._climb(judge, start, model - mine, self._local[j])
+                for start in (mine, mine | frozenset(self._can_add(mine, usual)))]
+        return model - mine | max(ends, key=judge.score)
+
+    def _climb(
+        self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
+    ) -> Model:
+        """Change a law at a time as long as a joint gains."""
+        here = judge.score(mine)
         for _ in range(_STEPS):
-            scores = {one: judge.score(one) for one in self.neighbours(mine, self._local[j])}
+            scores = {one: judge.score(one) for one in self.neighbours(mine, every)}
             better = sorted((one for one in scores if scores[one] > here), key=lambda one:
                             -scores[one])
             # Values may prove impossible once the shared coefficients are fitted, too.
@@ -161,7 +175,7 @@ class ArmModels:
             if found is None:
                 break
             mine, here = found, scores[found]
-        return rest | mine
+        return mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
         """Return models with one law more, less, or exchanged for another of its group."""
