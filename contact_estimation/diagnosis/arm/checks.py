@@ -116,7 +116,8 @@ class Reading:
 
     def thinned(self) -> 'Reading':
         """Return some of its samples."""
-        rows, some = np.linspace(0, len(self.q) - 1, min(len(self.q), _ROWS)).astype(int), copy(self)
+        some, count = copy(self), len(self.q)
+        rows = np.linspace(0, count - 1, min(count, _ROWS)).astype(int)
         for name in ('q', 'v', 'a', 'tau', 'load'):
             setattr(some, name, getattr(self, name)[rows])
         some.outside = self.outside and self.outside._replace(wrench=self.outside.wrench[rows])

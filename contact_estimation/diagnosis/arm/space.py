@@ -154,12 +154,12 @@ class ArmModels:
         """Improve the laws of one joint, with the shared coefficients as they are."""
         judge = _JointJudge(self, model, k)
         mine = frozenset(judge.local)
-        # Laws that lack together hide each other: from all usual ones, too, down to what is needed.
+        # Laws that lack together hide each other: from all usual ones, too, down to those needed.
         usual = {term for term in self._local[j]
                  if term.effect in _USUAL and not term.shape > self._sharp[j]}
         ends = [self._climb(judge, start, model - mine, self._local[j])
                 for start in (mine, mine | frozenset(self._can_add(mine, usual)))]
-        return model - mine | max(ends, key=judge.score)
+        return frozenset(model - mine | max(ends, key=lambda one: judge.score(frozenset(one))))
 
     def _climb(
         self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
