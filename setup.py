@@ -30,8 +30,8 @@ setup(
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
         package_name: ['py.typed', '__init__.pyi'],
-        package_name + '.diagnosis.compare': ['*.json'],
-        package_name + '.diagnosis.report.page': ['*.css', '*.html'],
+        package_name + '.diagnosis.fit': ['*.json'],
+        package_name + '.diagnosis.report': ['*.css', '*.html'],
         package_name + '.fleet': ['*.html'],
     },
     data_files=[

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # The public names: `__init__.py` imports each when it is first used.
-from .diagnosis.conclude.diagnose import diagnose as diagnose
-from .diagnosis.conclude.result import Diagnosis as Diagnosis, NamedEffect as NamedEffect
+from .diagnosis.diagnose import diagnose as diagnose
 from .diagnosis.observe.signals import read_recording as read_recording, Recording as Recording
+from .diagnosis.result import Diagnosis as Diagnosis, NamedEffect as NamedEffect
 from .estimators import ESTIMATORS as ESTIMATORS
 from .estimators.estimate import Estimate as Estimate
 from .exceptions import ContactEstimationError as ContactEstimationError

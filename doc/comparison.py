@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 import sys
 
-from contact_estimation.diagnosis.compare.beam import of_dict
-from contact_estimation.diagnosis.compare.constants import CONSTANTS
+from contact_estimation.diagnosis.fit.beam import of_dict
+from contact_estimation.diagnosis.fit.constants import CONSTANTS
 
 MODELS = 3
 

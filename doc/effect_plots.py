@@ -10,7 +10,7 @@ import runpy
 from typing import Any
 
 import contact_estimation as ce
-from contact_estimation.parameters.values import changed
+from contact_estimation.parameters import changed
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.reference.experiment import Experiment, Multisine, Segment
 import matplotlib

@@ -21,10 +21,10 @@ from typing import Any, Iterable
 
 import contact_estimation as ce
 from contact_estimation.fleet.table import COLUMNS
-from contact_estimation.parameters.specification import specifications
+from contact_estimation.parameters import specifications
 from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
 from contact_estimation.pipeline.checks.stream_checks import graph_warnings
-from contact_estimation.studies.foreign_laws import ALL_LAWS
+from contact_estimation.studies.blind_trials.foreign_laws import ALL_LAWS
 from effect_plots import plot_effect
 
 PORTS = {
@@ -96,7 +96,7 @@ def laws_page() -> str:
     return '\n\n'.join([
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
-        '`contact_estimation/studies/foreign_laws` gives equation and source.',
+        '`contact_estimation/studies/blind_trials/foreign_*.py` gives equation and source.',
         _table(head, rows)])
 
 

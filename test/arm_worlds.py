@@ -11,7 +11,7 @@ from typing import Any, Sequence
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.arm_wrench import ArmWrench
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
-from contact_estimation.physics.joints import JOINT_EFFECTS, JointMotion
+from contact_estimation.physics.joint_effects import JOINT_EFFECTS, JointMotion
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.arm_models import arm_description, TIP
 from contact_estimation.plant.arm_simulation import ArmLaw

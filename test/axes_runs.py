@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession

@@ -9,13 +9,13 @@ from functools import lru_cache
 from math import pi
 from typing import Any, Sequence
 
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.parameters.values import build
+from contact_estimation.diagnosis.result import Diagnosis
+from contact_estimation.parameters import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Effect
 from contact_estimation.plant.plant_parameters import PlantParameters

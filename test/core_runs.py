@@ -11,7 +11,7 @@ from typing import Any, Mapping, NamedTuple
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.estimate import Estimate
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.parameters import EstimationParameters

@@ -10,14 +10,15 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
-from contact_estimation.parameters.values import build
+from contact_estimation.diagnosis.result import Diagnosis
+from contact_estimation.parameters import build
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.recordings import RecordingWriter
+from contact_estimation.recordings.encoding import (
+    JointStateEncoder, TrajectoryEncoder, WrenchEncoder)
 from contact_estimation.reference.experiment import Experiment, Segment
 import numpy as np
 import yaml

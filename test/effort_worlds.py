@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.kinematics.robot_model import RobotModel
-from contact_estimation.messages import encode_arm
 from contact_estimation.plant.arm_models import arm_description
 from contact_estimation.plant.arm_simulation import (
     ArmLaw, ArmSensors, simulate_arm, SimulatedArm)
+from contact_estimation.recordings.encoding import encode_arm
 from contact_estimation.reference.arm_excitation import ArmTrajectory
 import numpy as np
 from numpy.typing import NDArray

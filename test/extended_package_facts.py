@@ -14,7 +14,7 @@ from typing import Any
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.space import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop

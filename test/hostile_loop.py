@@ -9,7 +9,7 @@ from math import nan
 from typing import Any, NamedTuple
 
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.events import set_location
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession

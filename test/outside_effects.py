@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import pi, sin
 from typing import Any
 
-from contact_estimation.parameters.specification import optional_parameter
+from contact_estimation.parameters import optional_parameter
 from contact_estimation.physics.contact_effect import ContactEffect, State
 from contact_estimation.physics.effect import Effect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect

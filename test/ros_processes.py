@@ -23,8 +23,8 @@ import time
 from typing import Any, Callable, Collection, Mapping, NamedTuple
 
 import contact_estimation
-from contact_estimation.messages.cdr import header_stamp_ns
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.cdr import header_stamp_ns
 import pytest
 
 pytest.importorskip('rclpy')

@@ -13,14 +13,11 @@ import contact_estimation
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages',
-    'recordings', 'signals', 'kinematics', 'studies.foreign_laws', 'physics', 'reference',
-    'estimators', 'pipeline', 'plant', 'studies.reproduction',
-    'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
-    'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'diagnosis.arm',
-    'studies.blind_trials',
-    'fleet', 'watch', 'ros', 'commands', 'studies.benchmarks', 'studies.arms',
-    'studies',
+    'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters',
+    'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference',
+    'estimators', 'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit',
+    'diagnosis', 'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
+    'studies.blind_trials', 'studies',
 ]
 
 
@@ -54,3 +51,10 @@ def test_every_module_belongs_to_a_listed_package() -> None:
     names = {f.relative_to(ROOT).parts[0].removesuffix('.py') for f in ROOT.rglob('*.py')}
     listed = {layer.partition('.')[0] for layer in LAYERS}
     assert {name for name in names if not name.startswith('__')} == listed
+
+
+def test_laws_of_blind_trials_share_no_code_with_the_diagnosis() -> None:
+    files = list((ROOT / 'studies/blind_trials').glob('foreign_*.py'))
+    used = {module for file in files for module in imported(file)}
+    assert len(files) > 5
+    assert all(module.startswith('studies.blind_trials.foreign_') for module in used)

@@ -12,7 +12,7 @@ from typing import Any, Mapping
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START)
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters

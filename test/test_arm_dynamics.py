@@ -8,11 +8,12 @@ from __future__ import annotations
 from arm_worlds import along, JOINTS, motion, URDF
 from contact_estimation.exceptions import UnknownNameError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
-from contact_estimation.messages import decode_arm, encode_arm
-from contact_estimation.physics.joints import JOINT_EFFECTS, JointMotion
-from contact_estimation.physics.joints.joint_drive import through_gap
+from contact_estimation.physics.joint_drive import through_gap
+from contact_estimation.physics.joint_effects import JOINT_EFFECTS, JointMotion
 from contact_estimation.plant.arm_models import arm_description, ARM_MODELS, TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm
+from contact_estimation.recordings.encoding import encode_arm
+from contact_estimation.recordings.joint_decoding import decode_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
 import numpy as np
 import pytest

@@ -12,9 +12,9 @@ from arm_contact import instants, K_E, LOCATION, messages, NORMAL, PARAMETERS
 from contact_estimation.commands import replay
 from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import encode_string
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
 from contact_estimation.recordings import RecordingWriter
+from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 import numpy as np
 import pytest

@@ -15,8 +15,7 @@ from arm_transforms import OF_TF, static_bytes, tf_messages
 from contact_estimation.commands import replay
 from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.messages import encode_string
-from contact_estimation.parameters.values import build, flatten
+from contact_estimation.parameters import build, flatten
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.events import EstimationEvent, event_now, START
 from contact_estimation.pipeline.inputs import MessageInputs
@@ -24,6 +23,7 @@ from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.source import RecordingSource
 import numpy as np
 import pytest

@@ -10,14 +10,12 @@ from pathlib import Path
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.kinematics.robot_model import RobotModel
-from contact_estimation.studies.arms.arm_files import ArmFiles, tool_parameters, world_of
-from contact_estimation.studies.arms.arm_models import (
-    ARMS, description_of, mujoco, mujoco_model, TIP,
-)
-from contact_estimation.studies.arms.concealed_laws import ENGINE, mujoco_arm
-from contact_estimation.studies.arms.evaluation import (
-    calibrated, errors, estimated_with,
-)
+from contact_estimation.studies.arm_concealed_laws import ENGINE, mujoco_arm
+from contact_estimation.studies.arm_evaluation import (
+    calibrated, errors, estimated_with)
+from contact_estimation.studies.arm_files import ArmFiles, tool_parameters, world_of
+from contact_estimation.studies.arm_models import (
+    ARMS, description_of, mujoco, mujoco_model, TIP)
 import numpy as np
 import pytest
 

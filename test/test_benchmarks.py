@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from contact_estimation.studies.__main__ import main, STUDIES
-from contact_estimation.studies.benchmarks.online_study import as_markdown, scored, summary, Task
+from contact_estimation.studies.online_study import as_markdown, scored, summary, Task
 import pytest
 
 

@@ -11,9 +11,9 @@ import re
 from typing import Any, Sequence
 
 from contact_estimation.commands.calibrate_tool import main
-from contact_estimation.messages import encode_string
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.definitions import jazzy_typestore
+from contact_estimation.recordings.encoding import encode_string
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -6,9 +6,9 @@
 from __future__ import annotations
 
 
-from contact_estimation.diagnosis.compare.beam import Compared
-from contact_estimation.diagnosis.compare.constants import CONSTANTS
-from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
+from contact_estimation.diagnosis.fit.beam import Compared
+from contact_estimation.diagnosis.fit.constants import CONSTANTS
+from contact_estimation.diagnosis.fit.evidence import Evidence, Scored
 from contact_estimation.studies.blind_trials import calibration as calibration_module
 from contact_estimation.studies.blind_trials.calibration import calibrate, JudgedTrial, loss
 import numpy as np

@@ -10,7 +10,7 @@ from typing import Callable, Mapping
 from concealed_worlds import nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page import as_html

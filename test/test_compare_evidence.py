@@ -9,10 +9,10 @@ from dataclasses import replace
 from math import exp, log
 from typing import Sequence
 
-from contact_estimation.diagnosis.compare.beam import Compared, refit, search
-from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
-from contact_estimation.diagnosis.compare.evidence import Evidence, explained, of_families, Scored
-from contact_estimation.diagnosis.compare.names import name
+from contact_estimation.diagnosis.fit.beam import Compared, refit, search
+from contact_estimation.diagnosis.fit.constants import CONSTANTS, Constants
+from contact_estimation.diagnosis.fit.evidence import Evidence, explained, of_families, Scored
+from contact_estimation.diagnosis.fit.names import name
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -6,7 +6,7 @@ from typing import Any
 from arm_contact import CENTRE, MASS, PARAMETERS
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.arm_kinematics import kinematics_of
 from contact_estimation.pipeline.arm_outputs import CompensatedWrench
 from contact_estimation.pipeline.parameters import EstimationParameters

@@ -9,7 +9,7 @@ from functools import lru_cache
 from math import isfinite, nan
 
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.compensation import Compensation
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline

@@ -9,8 +9,8 @@ from pathlib import Path
 import re
 
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.parameters.values import build, without
+from contact_estimation.parameter_files import read_parameter_file
+from contact_estimation.parameters import build, without
 from contact_estimation.plant.plant_parameters import PlantNodeParameters, PlantParameters
 import pytest
 

@@ -14,7 +14,7 @@ from contact_estimation.estimators.contact_points import (
 from contact_estimation.estimators.contact_points_estimator import (
     ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters, ContactPointsSample)
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.studies.reproduction.three_contacts import GEOMETRY, motion_at
+from contact_estimation.studies.three_contacts import GEOMETRY, motion_at
 import numpy as np
 import pytest
 from scipy.optimize import least_squares

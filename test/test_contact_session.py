@@ -10,8 +10,7 @@ from typing import Any, Iterable
 
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters.specification import ParameterSpecification, specifications
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build, ParameterSpecification, specifications
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession

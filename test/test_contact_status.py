@@ -11,7 +11,7 @@ from math import nan
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.estimators.multiple_model import LAWS
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.parameters.values import build, changed, flatten
+from contact_estimation.parameters import build, changed, flatten
 from contact_estimation.pipeline.axes import Moment
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.events import (

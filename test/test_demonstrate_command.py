@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.commands.demonstrate import CONCEALED, main, WORLD
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.physics import effects_that_are_on
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest

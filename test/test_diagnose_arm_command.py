@@ -9,11 +9,12 @@ import json
 from pathlib import Path
 
 from arm_worlds import arm_recording, motion, URDF
-from contact_estimation.commands import blind_trials, diagnose
+from contact_estimation.commands import diagnose
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, SimulatedArm
 from contact_estimation.plant.plant_parameters import read_model
+from contact_estimation.studies.blind_trials import command as blind_trials
 from contact_estimation.studies.blind_trials.arm_trials import write_arm_recording
 import numpy as np
 import pytest

@@ -9,7 +9,7 @@ from math import floor
 import re
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.simulation import run_open_loop

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import MODEL, physics, prepared_from, recorded
-from contact_estimation.diagnosis.compare.evidence import explained
 from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_deviations
+from contact_estimation.diagnosis.fit.evidence import explained
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step

@@ -6,11 +6,11 @@
 from __future__ import annotations
 
 from concealed_worlds import nominal, prepared_from, recorded
-from contact_estimation.diagnosis.conclude.held_out import by_part, errors_of, Part
-from contact_estimation.diagnosis.conclude.result import Errors
+from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.parts import episodes, hold_out
+from contact_estimation.diagnosis.result import Errors
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -21,8 +21,8 @@ from concealed_worlds import (
     softened,
     with_unknown,
 )
-from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.model import names_of
+from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Need
 import numpy as np

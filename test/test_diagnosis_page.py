@@ -12,11 +12,11 @@ import re
 import sys
 
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.conclude.result import refuse
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report import page as page_module
 from contact_estimation.diagnosis.report.page import as_html, with_std
 from contact_estimation.diagnosis.report.wording import headline, meaning
+from contact_estimation.diagnosis.result import refuse
 from contact_estimation.exceptions import MissingPackageError
 from diagnosed_worlds import diagnosed, nominal
 import pytest

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, nominal, recorded
-from contact_estimation.diagnosis.compare.evidence import ranked
-from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.diagnose import diagnose
+from contact_estimation.diagnosis.fit.evidence import ranked
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.observe.usable_samples import updates
 from contact_estimation.exceptions import ContactEstimationError, RecordingError

@@ -11,11 +11,11 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.result import Value
 from contact_estimation.diagnosis.report.json_report import as_dict, model_file
 from contact_estimation.diagnosis.report.text_report import as_text
-from contact_estimation.parameters.file import read_parameter_file
-from contact_estimation.parameters.values import build
+from contact_estimation.diagnosis.result import Value
+from contact_estimation.parameter_files import read_parameter_file
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 from diagnosed_worlds import diagnosed

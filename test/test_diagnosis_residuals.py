@@ -8,10 +8,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 from concealed_worlds import FORCE_NOISE, physics, prepared_from, recorded
-from contact_estimation.diagnosis.conclude.dependence import Dependence, dependences
-from contact_estimation.diagnosis.conclude.location import guess_port, intervals
+from contact_estimation.diagnosis.dependence import Dependence, dependences
 from contact_estimation.diagnosis.fit.discrepancy import discounted
 from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.location import guess_port, intervals
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import force_residual

@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 
 from contact_estimation.commands import diagnose, simulate
-from contact_estimation.diagnosis.conclude.diagnose import estimated_model
+from contact_estimation.diagnosis.diagnose import estimated_model
 from contact_estimation.diagnosis.observe.signals import read_recording
 import pytest
 from run_commands import Command

@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
-from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.result import Diagnosis
 import numpy as np
 import pytest
 from scipy.signal import lfilter

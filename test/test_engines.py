@@ -11,7 +11,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import contact_estimation as ce
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.plant.engines import drake_xml, ENGINES, mujoco_xml
 from contact_estimation.plant.simulation import simulate_command
 import numpy as np

@@ -9,7 +9,7 @@ from typing import Any
 
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
-from contact_estimation.parameters.values import changed
+from contact_estimation.parameters import changed
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, estimates_of, PERIOD_NS, pipeline_with

@@ -11,7 +11,7 @@ from typing import Any
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.parameters import EnvironmentParameters
-from contact_estimation.parameters.specification import specifications
+from contact_estimation.parameters import specifications
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 import numpy as np
 import pytest

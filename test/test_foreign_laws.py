@@ -9,9 +9,10 @@ from math import gamma
 from typing import Any, Callable
 
 from contact_estimation.physics import EFFECTS
-from contact_estimation.studies.foreign_laws import ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS
-from contact_estimation.studies.foreign_laws.law import (
+from contact_estimation.studies.blind_trials.foreign_law import (
     ContactLaw, ForeignLaw, Magnitudes, RobotLaw, SensorLaw, Signals)
+from contact_estimation.studies.blind_trials.foreign_laws import (
+    ALL_LAWS, FOREIGN_LAWS, UNKNOWN_LAWS)
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -11,7 +11,7 @@ from axes_runs import (
     AXES, feed_axes, feed_axis, Instant, instants, PARAMETERS, session_of_axes, session_of_axis)
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.events import (
     apply_event, biases, EstimationEvent, event_now, TARE)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
-from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.parameter_files import read_parameter_file
 from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import chunk_reader, RecordingReader
 from contact_estimation.texts import printable

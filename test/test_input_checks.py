@@ -10,7 +10,7 @@ import re
 from typing import Any, Callable, Sequence
 
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.checks.input_checks import CHECKS
 from contact_estimation.pipeline.checks.rejections import REJECTIONS
 from contact_estimation.pipeline.events import (

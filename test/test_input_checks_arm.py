@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any, Mapping
 
 from arm_contact import instants, NORMAL, PARAMETERS
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.checks.check import Evidence, Forces
 from contact_estimation.pipeline.checks.input_checks import CHECKS, InputChecks

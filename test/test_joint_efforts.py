@@ -13,14 +13,14 @@ from typing import Any, Sequence
 import contact_estimation as ce
 from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.messages import encode_arm
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.joint_torques import Joints, JointTorques
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingWriter
+from contact_estimation.recordings.encoding import encode_arm
 from effort_worlds import B_E, described, K_E, messages, model, motion, parameters, POINT
 import numpy as np
 from numpy.typing import NDArray

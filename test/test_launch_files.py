@@ -11,7 +11,7 @@ import sys
 from typing import Any
 from unittest.mock import MagicMock
 
-from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.parameter_files import read_parameter_file
 import pytest
 
 LAUNCH = Path(__file__).resolve().parents[1] / 'launch/loop.launch.py'

@@ -9,7 +9,7 @@ from math import sin
 from pathlib import Path
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.parameter_files import read_parameter_file
 from contact_estimation.reference.experiment import Multisine, register_sequence
 from contact_estimation.reference.experiments import FORCE_EXCITATION
 from contact_estimation.ros.loop_processes import configure, LoopConfiguration, write_parameters

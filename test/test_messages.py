@@ -10,11 +10,13 @@ import math
 from typing import Any, Callable
 
 from contact_estimation.exceptions import MessageError
-from contact_estimation.messages import (
-    decode_float64, decode_string, encode_float64, encode_multi_array, encode_string,
-    JointStateDecoder, JointStateEncoder, SeveralJointsDecoder, TrajectoryDecoder,
-    TrajectoryEncoder, Vector3StampedEncoder, WrenchDecoder, WrenchEncoder,
-)
+from contact_estimation.recordings.encoding import (
+    encode_float64, encode_multi_array, encode_string, JointStateEncoder, TrajectoryEncoder,
+    Vector3StampedEncoder, WrenchEncoder)
+from contact_estimation.recordings.joint_decoding import (
+    JointStateDecoder, SeveralJointsDecoder, TrajectoryDecoder)
+from contact_estimation.recordings.plain_decoding import (
+    decode_float64, decode_string, WrenchDecoder)
 import numpy as np
 import pytest
 from reference_messages import (

@@ -9,10 +9,10 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from contact_estimation.diagnosis.conclude.candidates import candidates, Reach, scaling_test
-from contact_estimation.diagnosis.conclude.next_experiment import choose, reach_of
-from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.candidates import candidates, Reach, scaling_test
 from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.next_experiment import choose, reach_of
+from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.reference.experiment import Experiment
 from contact_estimation.reference.experiments import experiment_named, experiment_text, EXPERIMENTS
 from diagnosed_worlds import diagnosed

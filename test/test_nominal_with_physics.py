@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from concealed_worlds import diagnosed, named, physics, recorded
-from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.free_run import plant_of
 from contact_estimation.diagnosis.report.json_report import model_file
 from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.plant.plant_parameters import PlantParameters, read_model
 import pytest
 

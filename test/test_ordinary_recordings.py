@@ -9,11 +9,11 @@ from functools import lru_cache
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded
-from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.surfaces import Surfaces, surfaces_of
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.parts import continuous_parts
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.plant.plant_parameters import PlantParameters
 import diagnosed_worlds as touches
 import numpy as np

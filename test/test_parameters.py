@@ -11,9 +11,8 @@ from typing import Any
 
 from contact_estimation.exceptions import (
     ParameterRangeError, ParameterReadOnlyError, UnknownNameError)
-from contact_estimation.parameters.specification import (
-    group, parameter, ParameterGroup, specifications)
-from contact_estimation.parameters.values import build, changed, flatten
+from contact_estimation.parameters import (
+    build, changed, flatten, group, parameter, ParameterGroup, specifications)
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np

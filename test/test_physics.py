@@ -12,7 +12,7 @@ from math import isnan
 from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.specification import optional_parameter, specifications
+from contact_estimation.parameters import optional_parameter, specifications
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect

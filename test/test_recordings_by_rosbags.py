@@ -11,9 +11,9 @@ from typing import Any
 
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.exceptions import MissingPackageError, RecordingError
-from contact_estimation.messages import encode_string, JointStateEncoder, WrenchEncoder
 from contact_estimation.pipeline.events import EstimationEvent, START
 from contact_estimation.recordings import RecordingReader, rosbags_file
+from contact_estimation.recordings.encoding import encode_string, JointStateEncoder, WrenchEncoder
 from core_runs import contact_samples
 import pytest
 

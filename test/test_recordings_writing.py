@@ -11,8 +11,8 @@ import sys
 from typing import Any
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import encode_string, WrenchEncoder
 from contact_estimation.recordings import OfferedQos, RecordingReader, RecordingWriter
+from contact_estimation.recordings.encoding import encode_string, WrenchEncoder
 from mcap.reader import make_reader
 import pytest
 from rosbags.highlevel import AnyReader

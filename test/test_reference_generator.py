@@ -9,7 +9,7 @@ from math import nan
 from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import (

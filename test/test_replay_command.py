@@ -13,10 +13,10 @@ import sys
 
 from contact_estimation.commands import replay
 from contact_estimation.estimators.estimate import Estimate
-from contact_estimation.messages import JointStateEncoder, WrenchEncoder
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingWriter
+from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from core_runs import contact_samples
 import pytest
 from run_commands import Command

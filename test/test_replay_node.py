@@ -11,9 +11,9 @@ import signal
 from typing import Callable, NamedTuple
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stamp_screen import CONFIRMING

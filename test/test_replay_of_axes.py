@@ -13,10 +13,11 @@ from typing import Iterable, Sequence
 
 from axes_runs import feed_axes, instants, JOINTS, LOCATIONS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.messages import JointStateEncoder, Vector3StampedDecoder, WrenchEncoder
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
+from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples

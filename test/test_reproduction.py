@@ -9,11 +9,10 @@ import json
 from pathlib import Path
 from typing import Any, Callable
 
-from contact_estimation.commands.reproduce import main
-from contact_estimation.studies.reproduction import table as table_module
-from contact_estimation.studies.reproduction.cases import (
-    ALL_CASES, BEST, Case, Errors, PAPER, STEP)
-from contact_estimation.studies.reproduction.table import row_of
+from contact_estimation.studies import paper_table as table_module
+from contact_estimation.studies.paper_cases import ALL_CASES, BEST, Case, Errors, PAPER, STEP
+from contact_estimation.studies.paper_table import row_of
+from contact_estimation.studies.reproduce import main
 import pytest
 
 KEYS = {

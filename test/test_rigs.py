@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.commands.blind_trials import main
+from contact_estimation.studies.blind_trials.command import main
 import pytest
 
 

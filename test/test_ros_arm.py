@@ -10,9 +10,9 @@ from typing import Any, Iterator
 
 from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
 from contact_estimation.commands import replay
-from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
 import numpy as np
 import pytest
 from ros_listener import Listener

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import isfinite, isnan, nan
 from typing import Any, Iterator
 
-from contact_estimation.parameters.specification import ParameterSpecification, specifications
+from contact_estimation.parameters import ParameterSpecification, specifications
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 from effect_examples import switched_on

@@ -10,8 +10,8 @@ from pathlib import Path
 import signal
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import decode_string, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.plain_decoding import decode_string, WrenchDecoder
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy as Reliability
 from ros_listener import Listener

@@ -10,7 +10,7 @@ from typing import Any
 
 from contact_estimation.commands.loop import make_parser as loop_parser
 from contact_estimation.commands.replay import make_parser as replay_parser
-from contact_estimation.parameters.specification import specifications
+from contact_estimation.parameters import specifications
 from contact_estimation.pipeline.parameters import EstimationParameters
 import pytest
 from ros_processes import Finished, parameter_arguments, run_module

@@ -15,9 +15,9 @@ from typing import Any
 from arm_contact import B_E, instants, K_E
 from arm_transforms import OF_TF, static_bytes, transform
 from contact_estimation.commands import replay
-from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
 from contact_estimation.ros.topics import has_transforms, message_class
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.commands.simulate import main
-from contact_estimation.messages.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.recordings.writing import RecordingWriter

@@ -10,7 +10,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import contact_estimation as ce
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.plant.world import World
 import numpy as np
 import pytest

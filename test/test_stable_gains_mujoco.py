@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build
 from contact_estimation.plant.engines import mujoco_xml
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np

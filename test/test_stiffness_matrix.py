@@ -17,8 +17,8 @@ from contact_estimation.estimators.stiffness_matrix import (
     StiffnessMatrix,
     StiffnessMatrixParameters,
 )
-from contact_estimation.messages import WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.encoding import WrenchEncoder
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
 import numpy as np

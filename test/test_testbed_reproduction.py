@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.studies.reproduction.cases import ALL_CASES, BEST, Case, PAPER
+from contact_estimation.studies.paper_cases import ALL_CASES, BEST, Case, PAPER
 import pytest
 
 

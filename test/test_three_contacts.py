@@ -8,9 +8,9 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from contact_estimation.commands import three_contacts as command
 from contact_estimation.estimators.contact_points_estimator import ContactPointsEstimate
-from contact_estimation.studies.reproduction.three_contacts import (
+from contact_estimation.studies import three_contacts as command
+from contact_estimation.studies.three_contacts import (
     ALL_TOUCH_S, errors_of, estimate, Instant, RATE, simulate, VARIANTS)
 import pytest
 

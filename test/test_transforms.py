@@ -12,7 +12,7 @@ from contact_estimation.exceptions import MessageError, ModelFileError, UnknownN
 from contact_estimation.kinematics.frame_tree import FrameTree
 from contact_estimation.kinematics.moving_frames import MovingFrames
 from contact_estimation.kinematics.transform_model import TransformModel
-from contact_estimation.messages import StampedTransform, TransformsDecoder
+from contact_estimation.recordings.transforms import StampedTransform, TransformsDecoder
 import numpy as np
 import pytest
 from reference_messages import deserialized, TF, transforms_bytes

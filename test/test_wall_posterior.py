@@ -147,6 +147,18 @@ def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     assert sum(posterior.known.laws) == pytest.approx(1.0)
 
 
+def test_band_holds_the_secants_of_all_recent_depths() -> None:
+    samples = contact(hunt_crossley(1.5), 3.0, shaken=0.004)
+    pressed = (samples.t > 1.6) & (samples.t < 2.4)
+    posterior = fed(Samples(*(one[samples.t < 2.4] for one in samples)),
+                    WallPosterior(0.0, 2e-3, NO_LAG))
+    known = posterior.known
+    std, _ = known.stds_of_depths
+    for depth in np.quantile(samples.depth[pressed], [0.05, 0.5, 0.95]):
+        assert within(known.stiffness, K * (depth / 0.008)**0.5, std)
+    assert known.stiffness_std < 0.02 * K < std
+
+
 def held(law: Callable[[Array, Array], Array], depth: float, seed: int) -> Samples:
     """Return a steady ramp of 1 s and a hold of 5 s at 125 Hz, with 5 um of noise in x."""
     draw, t = np.random.default_rng(seed), np.arange(0.0, 7.0, 0.008)
@@ -188,6 +200,24 @@ def test_no_slope_is_claimed_that_a_wall_of_another_law_never_has(name: str, tol
                 claims += 1
                 false += not least - 3.0 * std <= K_hat <= most + 3.0 * std
         assert false <= 0.02 * claims
+
+
+def test_cycles_claim_no_slope_that_a_stiffening_wall_never_has() -> None:
+    law, least, most = UNLISTED['stiffening'][0], 4e3, 4e3 * np.exp(0.95)
+    for seed in range(2):
+        draw, t = np.random.default_rng(seed), np.arange(0.0, 8.0, 0.008)
+        d = np.minimum(2.0 * t - 2.0, 1.0) * (
+            0.6e-3 + 0.35e-3 * np.sin(2.0 * np.pi * 1.6 * (t - 1.0)))
+        force = np.where(d > 0.0, law(t, np.maximum(d, 0.0)) + 20.0 * np.gradient(d, t), 0.0)
+        posterior, false, claims = WallPosterior(0.1, 2e-3), 0, 0
+        for sample in zip(t.tolist(), (force + 0.05 * draw.standard_normal(len(t))).tolist(),
+                          (0.1 + d).tolist()):
+            if posterior.take(*sample) == CONTACT and posterior.known.valid:
+                std, _ = posterior.known.stds_of_depths
+                claims += 1
+                false += not least - 2.0 * std <= posterior.known.stiffness <= most + 2.0 * std
+        assert false <= 0.03 * claims
+        assert claims > 400
 
 
 # -- surface, lag, rates, taps ------------------------------------------------------------------

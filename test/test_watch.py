@@ -10,9 +10,9 @@ import subprocess
 import sys
 
 from contact_estimation.commands import loop, simulate, watch
-from contact_estimation.messages import encode_string
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.mcap_file import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.watch import view as watch_view

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from contact_estimation.parameters.specification import optional_parameter
+from contact_estimation.parameters import optional_parameter
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.numeric import Number
 from contact_estimation.physics.prior import Prior, Scales

@@ -11,7 +11,7 @@ from typing import Sequence
 
 from contact_estimation.estimators.estimate import Frozen, ParameterEstimate
 from contact_estimation.estimators.estimator import OnlineEstimator, TimedRow
-from contact_estimation.parameters.specification import parameter, ParameterGroup
+from contact_estimation.parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from contact_estimation.parameters.specification import ParameterGroup
-from contact_estimation.parameters.values import build
+from contact_estimation.parameters import build, ParameterGroup
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Effect
 from contact_estimation.plant.plant_parameters import PlantParameters

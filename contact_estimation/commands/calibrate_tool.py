@@ -20,8 +20,8 @@ from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_fr
 from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
-from ..parameters.file import read_parameter_file
-from ..parameters.specification import specifications
+from ..parameter_files import read_parameter_file
+from ..parameters import specifications
 from ..pipeline.recorded_arm import recorded_description
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource

@@ -16,8 +16,8 @@ from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import (
     ContactEstimationError, ParameterRangeError, RecordingError, UnknownNameError)
 from ..kinematics.parameters import TRACKED
-from ..parameters.file import read_parameter_file
-from ..parameters.values import without
+from ..parameter_files import read_parameter_file
+from ..parameters import without
 from ..recordings import RecordingReader
 from ..recordings.adaptation import STAMPS
 from ..recordings.columns import KEYS

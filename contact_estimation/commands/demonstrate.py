@@ -16,8 +16,8 @@ import yaml
 
 from .command_line import command, new_folder, Parser, require_at_least
 from ..exceptions import ContactEstimationError
-from ..parameters.file import read_parameter_file
-from ..parameters.values import build, flatten, without
+from ..parameter_files import read_parameter_file
+from ..parameters import build, flatten, without
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 
 WORLD = {

@@ -15,14 +15,14 @@ from .command_line import (
     chosen_parameters, command, new_file, Parser, reading_of, topics_of, write_results)
 from .diagnose_arm import comparison_text, names_of, run as run_arm
 from .progress import Progress
-from ..diagnosis.conclude.diagnose import diagnose, diagnose_simulation, simulation_text
-from ..diagnosis.conclude.next_experiment import choose, Proposal
-from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.diagnose import diagnose, diagnose_simulation, simulation_text
 from ..diagnosis.fit.free_run import plant_of
+from ..diagnosis.next_experiment import choose, Proposal
 from ..diagnosis.observe.signals import read_recording, Recording
 from ..diagnosis.report.json_report import as_dict, model_file
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
+from ..diagnosis.result import Diagnosis
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..figures import require_matplotlib
 from ..plant.engines import ENGINES

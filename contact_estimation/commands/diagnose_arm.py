@@ -20,9 +20,9 @@ from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
 from ..diagnosis.arm.text import as_dict, as_text, headline
-from ..diagnosis.compare.beam import as_dict as comparison, Compared
-from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.fit.beam import as_dict as comparison, Compared
 from ..diagnosis.report.json_report import model_file
+from ..diagnosis.result import Diagnosis
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..kinematics.arm_dynamics import ArmDynamics

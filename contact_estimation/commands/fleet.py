@@ -19,7 +19,7 @@ from ..fleet.fingerprint import Settings
 from ..fleet.page import as_html
 from ..fleet.run import Fleet, run_fleet, write_whole
 from ..fleet.table import as_parquet, require_pyarrow
-from ..parameters.values import without
+from ..parameters import without
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters

@@ -18,8 +18,6 @@ from .command_line import (
 from .picture import picture_trace, write_picture
 from .progress import Progress
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
-from ..diagnosis.checks import check
-from ..diagnosis.observe.signals import read_recording
 from ..estimators import ONLINE_ESTIMATORS
 from ..estimators.estimate import AxesEstimates
 from ..estimators.stiffness_matrix import MatrixEstimate
@@ -95,6 +93,8 @@ def run(options: Any) -> int:
 
 def _cause(options: Any) -> str:
     """Return what `diagnose` would say of a recording that gives next to no sample."""
+    from ..diagnosis.checks import check  # slow to import, and seldom needed
+    from ..diagnosis.observe.signals import read_recording
     try:
         recording = read_recording(
             options.recording, topics=topics_of(options), axis=options.axis or 'x',

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from .command_line import command, Parser
-from ..parameters.file import ANY_NODE, parameter_file
-from ..parameters.values import build
+from ..parameter_files import ANY_NODE, parameter_file
+from ..parameters import build
 from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantNodeParameters, PlantParameters
 from ..ros.estimator_node_parameters import EstimatorNodeParameters

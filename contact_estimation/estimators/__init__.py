@@ -20,7 +20,7 @@ from .rls_adaptive import AdaptiveLeastSquares
 from .signal_processing import SignalProcessing
 from .signal_processing_refined import SignalProcessingRefined
 from .stiffness_matrix import StiffnessMatrix
-from ..parameters.specification import group, ParameterGroup
+from ..parameters import group, ParameterGroup
 
 ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'indirect_adaptive': IndirectAdaptive,

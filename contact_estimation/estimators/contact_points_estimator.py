@@ -17,7 +17,7 @@ from .contact_points import (
     ToolMotion)
 from .estimate import EstimateStatus
 from ..exceptions import SignalShapeError
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

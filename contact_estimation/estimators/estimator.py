@@ -11,7 +11,7 @@ from typing import ClassVar, Mapping, Sequence
 
 from .estimate import Frozen, ParameterEstimate
 from .parameters import EnvironmentParameters
-from ..parameters.specification import ParameterGroup
+from ..parameters import ParameterGroup
 from ..reference.setpoints import Reference
 from ..signals.relations import Relation, Row, VelocityRelation
 

@@ -12,7 +12,7 @@ from typing import Mapping, NamedTuple, Sequence
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SETTLED = 0.01  # error of the filtered gate below which a nonlinear law holds for the row

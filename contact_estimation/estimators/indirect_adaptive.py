@@ -12,7 +12,7 @@ from typing import Sequence
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .gradient_speed import limitation_of
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
 _MEMORY_S = 1.0  # of the mean squares that normalise

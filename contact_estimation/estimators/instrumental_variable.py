@@ -12,7 +12,7 @@ from typing import Sequence
 
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SMALLEST = 1e-18

@@ -12,7 +12,7 @@ from typing import Sequence
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 _FURTHEST = 5.0  # standard deviations of the location from its prior
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from .estimate import new_tuple
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
 

@@ -14,7 +14,7 @@ from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of
 from .model_following import ModelFollowing, ModelFollowingParameters
 from .parameters import EnvironmentParameters
-from ..parameters.specification import group, parameter, ParameterGroup
+from ..parameters import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
 Matrix = tuple[float, float, float, float]  # 2 x 2 by rows: numpy is slow on so few numbers

@@ -12,7 +12,7 @@ from typing import Sequence
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .three_states import Covariance, grow
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .estimate import EstimateStatus
 from .matrix_posterior import direction_of, MatrixEstimate, posterior, Sums, tangents
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 from ..signals.contact_sample import AxesSample
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 from typing import Any, Mapping
 
-from ..parameters.values import build, flatten
+from ..parameters import build, flatten
 from ..plant.plant_parameters import PlantParameters
 from ..recordings.identity import file_sha256
 from ..recordings.source import RecordingSource

@@ -13,12 +13,12 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from .fingerprint import Settings
-from ..diagnosis.conclude.diagnose import diagnose
-from ..diagnosis.conclude.next_experiment import choose
-from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.diagnose import diagnose
+from ..diagnosis.next_experiment import choose
 from ..diagnosis.observe.signals import read_recording, Recording
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
+from ..diagnosis.result import Diagnosis
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import ContactEstimationError, MissingPackageError, RecordingError
 from ..pipeline.replay import RecordingReplay

@@ -14,8 +14,9 @@ from .robot_model import RobotModel
 from .tool_calibration import CalibrationBlocks
 from .tool_load import Array, load_regressor, specific_force
 from ..exceptions import MessageError, RecordingError
-from ..messages import ForceTorqueDecoder, JointStateDecoder
 from ..recordings import RecordingReader
+from ..recordings.joint_decoding import JointStateDecoder
+from ..recordings.plain_decoding import ForceTorqueDecoder
 from ..recordings.source import RecordingSource
 
 BLOCK_S = 0.1

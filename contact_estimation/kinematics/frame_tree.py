@@ -9,7 +9,7 @@ from math import isfinite
 from typing import Collection, Iterable, NamedTuple
 
 from .poses import IDENTITY, inverse, normalised, Pose, product
-from ..messages.transforms import StampedTransform
+from ..recordings.transforms import StampedTransform
 
 
 class Step(NamedTuple):

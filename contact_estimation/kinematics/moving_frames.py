@@ -9,7 +9,7 @@ from collections import deque
 from typing import Iterable, Sequence
 
 from .frame_tree import usable
-from ..messages.transforms import StampedTransform
+from ..recordings.transforms import StampedTransform
 from ..signals.stamp_screen import BEFORE_ANY
 
 Row = tuple[int, tuple[float, ...]]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 AXES = ('sensor', 'base')
 TOPIC, JOINT_EFFORTS = 'topic', 'joint_efforts'

@@ -10,7 +10,7 @@ from importlib import import_module
 
 from .effect import Effect
 from .numeric import SIGN_VELOCITY
-from ..parameters.specification import group, own_specifications, ParameterGroup
+from ..parameters import group, own_specifications, ParameterGroup
 
 
 def _class_of(name: str) -> type[Effect]:

@@ -17,7 +17,7 @@ from numpy.random import Generator
 from .numeric import SIGN_VELOCITY
 from .prior import between, Prior, random_sign, Scales, Strength
 from ..exceptions import ParameterRangeError
-from ..parameters.specification import own_specifications, ParameterGroup
+from ..parameters import own_specifications, ParameterGroup
 
 Own = TypeVar('Own', bound='Effect')
 

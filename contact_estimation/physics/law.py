@@ -10,7 +10,7 @@ from .numeric import (
     Array, discretise, Flags, Motion, motion_of, Number, path_of, positive, stretches)
 from .prior import log_uniform, Prior, random_sign, Scales, Strength, Tone
 from .robot_effect import Joint, RobotEffect
-from ..parameters.specification import optional_parameter
+from ..parameters import optional_parameter
 
 __all__ = [
     'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Joint',

@@ -18,8 +18,8 @@ from .session import ContactSession
 from ..exceptions import MessageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.robot_model import RobotModel
-from ..messages import decode_arm
-from ..messages.cdr import header_stamp_ns
+from ..recordings.cdr import header_stamp_ns
+from ..recordings.joint_decoding import decode_arm
 from ..signals.joint_merging import JointMerger
 
 

@@ -18,8 +18,9 @@ from ..exceptions import ContactEstimationError, MessageError
 from ..kinematics.moving_frames import MovingFrames
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import TransformModel
-from ..messages import SomeJointsDecoder, StampedTransform, TransformsDecoder
-from ..messages.cdr import header_stamp_ns
+from ..recordings.cdr import header_stamp_ns
+from ..recordings.joint_decoding import SomeJointsDecoder
+from ..recordings.transforms import StampedTransform, TransformsDecoder
 from ..signals.joint_merging import JointMerger
 from ..signals.stamp_screen import BEFORE_ANY
 

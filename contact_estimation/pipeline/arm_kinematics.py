@@ -17,7 +17,7 @@ from ..kinematics.parameters import JOINT_EFFORTS
 from ..kinematics.poses import matrix_of
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import TransformModel
-from ..messages import StampedTransform
+from ..recordings.transforms import StampedTransform
 
 if TYPE_CHECKING:
     from .parameters import EstimationParameters

@@ -16,7 +16,7 @@ from ..estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ..estimators.stiffness_matrix import (
     LABELS, matrices, MatrixEstimate, PRINCIPAL_LABELS, principal_table)
 from ..kinematics.contact_kinematics import ArmState
-from ..messages import encode_multi_array, encode_string, Vector3StampedEncoder
+from ..recordings.encoding import encode_multi_array, encode_string, Vector3StampedEncoder
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import AxesSample, ContactSample
 

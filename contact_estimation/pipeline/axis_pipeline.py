@@ -546,7 +546,7 @@ class EstimationPipeline:
                 low, high, most = self.parameters.environment.limits
                 self._held = ParameterEstimate(
                     min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
-                    now.stiffness_std, now.damping_std, 0.0, now.inertia)
+                    *now.stds_of_depths, 0.0, now.inertia)
             else:
                 self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
         if state == CONTACT:

@@ -16,7 +16,7 @@ from .axes import encode_matrices, MATRIX_TOPICS
 from ..estimators.estimate import AxesEstimates, Estimate
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
-from ..messages import encode_float64, encode_string, Vector3StampedEncoder
+from ..recordings.encoding import encode_float64, encode_string, Vector3StampedEncoder
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.writing import RecordingWriter
 

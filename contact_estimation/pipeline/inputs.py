@@ -18,9 +18,10 @@ from .session import ContactSession
 from ..estimators.estimate import AxesEstimates
 from ..exceptions import MessageError
 from ..kinematics.parameters import JOINT_EFFORTS
-from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, WrenchDecoder
-from ..messages.cdr import header_stamp_ns
 from ..recordings import RecordedMessage
+from ..recordings.cdr import header_stamp_ns
+from ..recordings.joint_decoding import SeveralJointsDecoder
+from ..recordings.plain_decoding import ForceTorqueDecoder, WrenchDecoder
 from ..signals.stamp_screen import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 

@@ -38,7 +38,7 @@ from ..exceptions import ModelFileError
 from ..kinematics.arm_dynamics import ArmDynamics
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_load import cross_matrix
-from ..physics.joints.joint_friction import sign
+from ..physics.joint_friction import sign
 
 Array = NDArray[np.float64]
 

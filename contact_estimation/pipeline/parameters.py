@@ -18,7 +18,7 @@ from ..exceptions import ParameterRangeError
 from ..kinematics.parameters import (
     ForceSensorParameters, JOINT_EFFORTS, KinematicsParameters, TOPIC)
 from ..kinematics.tool_load import ToolParameters
-from ..parameters.specification import group, parameter, ParameterGroup
+from ..parameters import group, parameter, ParameterGroup
 from ..physics import effects_that_are_on, PhysicsParameters
 from ..physics.robot_effect import RobotEffect
 from ..reference.parameters import ReferenceParameters, refuse_double_tracking

@@ -25,16 +25,17 @@ from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.moving_frames import MovingFrames, NUMBERS
 from ..kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ..kinematics.robot_model import RobotModel
-from ..messages import (
-    decode_string, ForceTorqueDecoder, SomeJointsDecoder, StampedTransform, TransformsDecoder)
-from ..parameters.specification import specifications
+from ..parameters import specifications
 from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata
 from ..recordings.free_flight import tare_of
+from ..recordings.joint_decoding import SomeJointsDecoder
+from ..recordings.plain_decoding import decode_string, ForceTorqueDecoder
 from ..recordings.recorded_signals import (
     read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal)
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
+from ..recordings.transforms import StampedTransform, TransformsDecoder
 from ..signals.filters import smoothed_rate
 from ..signals.joint_merging import JointMerger
 from ..signals.stamp_screen import BEFORE_ANY

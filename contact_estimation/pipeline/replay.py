@@ -24,10 +24,11 @@ from ..estimators import ESTIMATORS
 from ..estimators.estimate import AxesEstimates
 from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.parameters import JOINT_EFFORTS
-from ..messages import decode_string, TrajectoryDecoder
-from ..parameters.values import build
+from ..parameters import build
 from ..recordings import RecordedMessage, RecordingReader
 from ..recordings.free_flight import Tare
+from ..recordings.joint_decoding import TrajectoryDecoder
+from ..recordings.plain_decoding import decode_string
 from ..recordings.recorded_signals import wrench_rate
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical

@@ -19,7 +19,7 @@ from .parameters import EstimationParameters
 from .reference_stream import ReferenceStream
 from ..estimators.estimate import AxesEstimates, new_tuple
 from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
-from ..parameters.values import changed
+from ..parameters import changed
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import AxesSample, ContactSample
 from ..signals.stamp_screen import BEFORE_ANY

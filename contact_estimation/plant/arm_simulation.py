@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .arm_models import TIP
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..physics.contact_law import ContactLaw
-from ..physics.joints import JOINT_EFFECTS, JointEffect, JointMotion, Place
+from ..physics.joint_effects import JOINT_EFFECTS, JointEffect, JointMotion, Place
 from ..reference.arm_excitation import ArmTrajectory
 
 Array = NDArray[np.float64]

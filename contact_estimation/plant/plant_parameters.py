@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ..exceptions import ModelFileError, ParameterRangeError
-from ..parameters.file import read_parameter_file
-from ..parameters.specification import group, parameter, ParameterGroup
-from ..parameters.values import build, without
+from ..parameter_files import read_parameter_file
+from ..parameters import build, group, parameter, ParameterGroup, without
 from ..physics import PhysicsParameters
 from ..physics.numeric import SIGN_VELOCITY
 

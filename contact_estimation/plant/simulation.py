@@ -17,8 +17,8 @@ from .plant_parameters import PlantParameters
 from .sampled_signals import BETWEEN, reference_through
 from .sensors import Sensors
 from .world import Truth, World
-from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..physics.effect import Effect
+from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..recordings.topic_names import canonical
 from ..recordings.writing import RecordingWriter
 from ..reference.experiment import Experiment

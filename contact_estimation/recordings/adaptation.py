@@ -13,14 +13,14 @@ from typing import Any, Callable, Iterator, Mapping
 
 import numpy as np
 
+from .cdr import NS_PER_S
 from .chunk_reader import RecordedMessage
 from .definitions import fresh_typestore
+from .encoding import ForceTorqueEncoder
 from .source import RecordingSource
 from .table_file import TYPES
 from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
-from ..messages import ForceTorqueEncoder
-from ..messages.cdr import NS_PER_S
 
 Change = Callable[[bytes, int], bytes]  # of raw message and time of reception [ns]
 

@@ -14,7 +14,10 @@ from typing import Any, Mapping, Sequence, TextIO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .cdr import CdrCursor
 from .columns import is_effort, is_key, KEYS
+from .joint_decoding import decode_arm, SeveralJointsDecoder, TrajectoryDecoder
+from .plain_decoding import ForceTorqueDecoder
 from .reading import RecordingReader
 from .recorded_signals import gather
 from .source import RecordingSource
@@ -22,8 +25,6 @@ from .table_file import FORCES, messages_of, RATES, TYPES
 from .topic_names import canonical
 from .writing import RecordingWriter
 from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
-from ..messages import decode_arm, ForceTorqueDecoder, SeveralJointsDecoder, TrajectoryDecoder
-from ..messages.cdr import CdrCursor
 
 Signals = dict[str, NDArray[Any]]
 

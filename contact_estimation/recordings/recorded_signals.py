@@ -13,13 +13,15 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .cdr import header_stamp_ns
 from .free_flight import Tare
+from .joint_decoding import JointStateDecoder, TrajectoryDecoder
+from .plain_decoding import WrenchDecoder
 from .reading import RecordingReader
+from .readings import FORCE_OF_AXIS
 from .source import RecordingSource
 from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
-from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
-from ..messages.cdr import header_stamp_ns
 
 Row = tuple[int, Sequence[float]]
 _RATE_SAMPLES = 2000

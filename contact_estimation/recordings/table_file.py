@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
+from .encoding import encode_arm, ForceTorqueEncoder
 from .mcap_records import Summary
 from .source import RecordingSource
 from .table import read_columns
 from .topic_names import canonical
-from ..messages import encode_arm, ForceTorqueEncoder
 
 _BATCH = 5000  # rows
 FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import nan
 
 from ..exceptions import ParameterRangeError
-from ..parameters.specification import group, parameter, ParameterGroup
+from ..parameters import group, parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

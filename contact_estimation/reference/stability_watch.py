@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from math import isfinite, nan
 
 from .stable_gains import ADMITTANCE, IMPEDANCE, stable_gains, StableGains
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 OFF, STABILITY = 'off', 'stability'
 _CHANGE = 0.05  # of K_e, B_e, or of a deviation by the value, from which the margin is new

@@ -13,7 +13,6 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from ..exceptions import ParameterRangeError, UnknownNameError
 
@@ -181,6 +180,7 @@ class _Loop:
         system[1] = np.array([-physical[0], -physical[1], 1.0]) / self.M_t
         samples = int(self.delay / self.sample_time + 1e-9)
         rest = max(0.0, self.delay - samples * self.sample_time)
+        from scipy.linalg import expm  # slow to import, and seldom needed
         late, early = expm(system * rest), expm(system * (self.sample_time - rest))
         return (early[:2, :2] @ late[:2, :2], early[:2, 2], early[:2, :2] @ late[:2, 2],
                 np.array(fed_back), samples)

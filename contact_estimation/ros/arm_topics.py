@@ -18,11 +18,11 @@ from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.description import turning_joint
 from ..kinematics.transform_model import TransformModel
-from ..messages.transforms import TRANSFORMS_TYPE
 from ..pipeline.arm_inputs import ArmStage
 from ..pipeline.arm_kinematics import NO_DESCRIPTION, NOT_INSTALLED
 from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
 from ..pipeline.session import ContactSession
+from ..recordings.transforms import TRANSFORMS_TYPE
 
 
 REVOLUTE = 'revolute_joint'

@@ -15,11 +15,11 @@ from .topics import (
     FLOAT64, message_class, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY,
     VECTOR3, WRENCH_TYPE)
 from ..estimators.stiffness_matrix import MatrixEstimate
-from ..messages import (
-    encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
 from ..pipeline.arm_outputs import CompensatedWrench, TargetPose
 from ..pipeline.axes import encode_matrices, MATRIX_TOPICS, Result
 from ..pipeline.wall_law import WallLawNews
+from ..recordings.encoding import (
+    encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,

@@ -26,9 +26,7 @@ from .parameters import declare, serve_changes
 from .running import NodeLog, run_node
 from ..exceptions import MessageError
 from ..kinematics.parameters import JOINT_EFFORTS
-from ..messages import TrajectoryDecoder
-from ..parameters.specification import ParameterSpecification, specifications
-from ..parameters.values import build, changed, divided, flatten
+from ..parameters import build, changed, divided, flatten, ParameterSpecification, specifications
 from ..pipeline.arm_outputs import check_target_pose, CompensatedWrench, target_pose
 from ..pipeline.axes import Result
 from ..pipeline.events import (
@@ -36,6 +34,7 @@ from ..pipeline.events import (
 from ..pipeline.inputs import MessageInputs
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
+from ..recordings.joint_decoding import TrajectoryDecoder
 from ..reference.setpoints import Desired
 from ..reference.stability_watch import OFF, STABILITY, StabilityWatch
 

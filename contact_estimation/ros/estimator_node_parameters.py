@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..parameters.specification import group, parameter, ParameterGroup
+from ..parameters import group, parameter, ParameterGroup
 from ..reference.stability_watch import StabilityParameters
 
 

@@ -18,9 +18,8 @@ import yaml
 
 from .estimator_node_parameters import EstimatorNodeParameters
 from ..exceptions import MissingPackageError, ParameterRangeError
-from ..parameters.file import ANY_NODE, read_parameter_file
-from ..parameters.specification import ParameterGroup, specifications
-from ..parameters.values import build, without
+from ..parameter_files import ANY_NODE, read_parameter_file
+from ..parameters import build, ParameterGroup, specifications, without
 from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantNodeParameters, PlantParameters
 from ..reference.experiment import Experiment

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..exceptions import ContactEstimationError, UnknownNameError
-from ..parameters.specification import LARGEST, ParameterSpecification
+from ..parameters import LARGEST, ParameterSpecification
 
 _OF_RCLPY = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 _LARGEST_INTEGER = 2**63 - 1

@@ -21,13 +21,13 @@ from .plant_statistics import PlantStatistics
 from .running import run_node
 from .topics import message_class
 from ..exceptions import MessageError, ParameterRangeError
-from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
-from ..parameters.specification import ParameterSpecification, specifications
-from ..parameters.values import build, changed, divided
+from ..parameters import build, changed, divided, ParameterSpecification, specifications
 from ..plant.closed_loop import extrapolate
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 from ..plant.sensors import Sensors
 from ..plant.world import World
+from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ..recordings.joint_decoding import TrajectoryDecoder
 from ..reference.experiments import experiment_named
 from ..reference.setpoints import Reference
 

@@ -19,14 +19,13 @@ from .parameters import declare
 from .running import run_node
 from .topics import has_transforms
 from ..exceptions import ContactEstimationError, ParameterRangeError
-from ..messages import decode_string
-from ..messages.transforms import TRANSFORMS_TYPE
-from ..parameters.specification import parameter, ParameterGroup, specifications
-from ..parameters.values import build
+from ..parameters import build, parameter, ParameterGroup, specifications
 from ..pipeline.axes import MATRIX_TOPICS
 from ..pipeline.events import EstimationEvent, START
 from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
+from ..recordings.plain_decoding import decode_string
+from ..recordings.transforms import TRANSFORMS_TYPE
 
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
 _FLUSH_S, _MATCH_S = 0.4, 0.05

@@ -22,7 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from .topics import JOINT_STATES, REFERENCE, TF, WRENCH
 from ..exceptions import ContactEstimationError
-from ..parameters.specification import ParameterSpecification, value_text
+from ..parameters import ParameterSpecification, value_text
 from ..pipeline.parameters import EstimationParameters
 
 

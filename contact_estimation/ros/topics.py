@@ -12,7 +12,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from ..messages.transforms import TRANSFORMS_TYPE
+from ..recordings.transforms import TRANSFORMS_TYPE
 
 WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'
@@ -32,8 +32,13 @@ TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Matches any publisher; deep, so that no message is dropped while the machine stalls."""
 
-OUTPUT_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-"""Deep, so that what a recorder missed while it had no CPU can be sent to it again."""
+OUTPUT_QOS = QoSProfile(depth=250, reliability=ReliabilityPolicy.RELIABLE)
+"""
+Half a second at 500 Hz, so that what a busy recorder missed can be sent to it again.
+
+Readers acknowledge every 3 s, and Fast DDS then drops the history in one go, 10 us a sample of all
+topics together. Until it is done, the process receives nothing: 10 to 20 ms at a depth of 1000.
+"""
 
 
 def _latched(depth: int) -> QoSProfile:

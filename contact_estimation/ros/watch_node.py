@@ -17,8 +17,7 @@ from . import topics
 from .data_thread import DataThread, RawSubscriptions
 from .parameters import declare
 from .running import run_node
-from ..parameters.specification import parameter, ParameterGroup, specifications
-from ..parameters.values import build
+from ..parameters import build, parameter, ParameterGroup, specifications
 from ..watch.live import LiveContact
 from ..watch.view import ContactView, show
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .contact_sample import CompensatedSample, ContactSample, SampleCompensation
 from .zero_tracking import ZeroTracker
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .contact_sample import AxesSample, ContactSample
 from .stamp_screen import BEFORE_ANY, StampScreen
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters import parameter, ParameterGroup
 
 MakeSample = Callable[[int, Sequence[float], Sequence[float]], Any]
 Columns = Sequence[NDArray[np.float64]]

@@ -12,15 +12,16 @@ from typing import Sequence
 from ..commands.command_line import Parser
 
 STUDIES = {
-    'arms': ('arms.study', 'the library on two arms simulated in MuJoCo'),
-    'estimators': ('benchmarks.online_study:main_estimators',
+    'arms': ('arm_study', 'the library on two arms simulated in MuJoCo'),
+    'estimators': ('online_study:main_estimators',
                    'errors, bands and tracking of all estimators'),
-    'fleet': ('benchmarks.fleet', 'a simulated archive, its scaling and a killed run'),
-    'input_checks': ('benchmarks.input_checks', 'false warnings and detected input errors'),
-    'matrix': ('benchmarks.matrix_study', 'errors and bands of the full matrices'),
-    'online': ('benchmarks.online_study', 'on-line estimation with default parameters'),
-    'records': ('benchmarks.records', 'names of `diagnose` on recordings of real things'),
-    'speed': ('benchmarks.speed', 'run times of estimators, node, replay and view'),
+    'fleet': ('fleet', 'a simulated archive, its scaling and a killed run'),
+    'input_checks': ('input_checks', 'false warnings and detected input errors'),
+    'matrix': ('matrix_study', 'errors and bands of the full matrices'),
+    'online': ('online_study', 'on-line estimation with default parameters'),
+    'records': ('records', 'names of `diagnose` on recordings of real things'),
+    'speed': ('speed', 'run times of estimators, node, replay and view'),
+    'three_contacts': ('three_contacts', 'eq. (6) on a tool with three contact points'),
 }
 
 

@@ -11,12 +11,12 @@ from typing import Any, Callable, Mapping, NamedTuple
 
 from .readings import ContactLog, Reading, Readings, readings_of
 from ..exceptions import MessageError
-from ..messages import (
-    decode_diagnostics, decode_float64, decode_string, TrajectoryDecoder, Vector3StampedDecoder)
-from ..messages.plain_decoding import DIAGNOSTICS_TYPE
-from ..parameters.values import build, changed
+from ..parameters import build, changed
 from ..pipeline.events import DESCRIPTION, EstimationEvent, START
 from ..pipeline.parameters import EstimationParameters
+from ..recordings.joint_decoding import TrajectoryDecoder
+from ..recordings.plain_decoding import (
+    decode_diagnostics, decode_float64, decode_string, DIAGNOSTICS_TYPE, Vector3StampedDecoder)
 
 WRENCH, JOINTS = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
 TRAJECTORY, VECTOR = 'trajectory_msgs/msg/JointTrajectory', 'geometry_msgs/msg/Vector3Stamped'

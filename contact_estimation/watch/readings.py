@@ -11,10 +11,11 @@ from typing import Mapping, NamedTuple, Protocol
 from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..kinematics.robot_model import RobotModel
-from ..messages import (
-    FORCE_OF_AXIS, ForceTorqueDecoder, JointStateDecoder, SomeJointsDecoder, WrenchDecoder)
 from ..pipeline.arm_kinematics import described_in_file, kinematics_of
 from ..pipeline.parameters import EstimationParameters
+from ..recordings.joint_decoding import JointStateDecoder, SomeJointsDecoder
+from ..recordings.plain_decoding import ForceTorqueDecoder, WrenchDecoder
+from ..recordings.readings import FORCE_OF_AXIS
 from ..signals.joint_merging import JointMerger
 
 

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from .arm_wrench import ArmWrench
 from ...exceptions import MessageError, RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics
-from ...messages import ArmReading, decode_arm, ForceTorqueDecoder
-from ...parameters.values import build
+from ...parameters import build
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters
 from ...recordings import RecordingReader
+from ...recordings.joint_decoding import ArmReading, decode_arm
+from ...recordings.plain_decoding import ForceTorqueDecoder
 from ...recordings.source import RecordingSource
 from ...recordings.topic_names import canonical
 

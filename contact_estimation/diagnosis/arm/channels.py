@@ -14,7 +14,7 @@ from scipy.signal import butter, sosfiltfilt
 from .arm_recording import ArmRecording, Array, Flags, GAP
 from ...exceptions import RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics, Outside
-from ...physics.joints import JOINT_EFFECTS, JointMotion, Place
+from ...physics.joint_effects import JOINT_EFFECTS, JointMotion, Place
 
 if TYPE_CHECKING:
     from .gram import Fitted

@@ -19,11 +19,11 @@ from .describe import ArmNames, described
 from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
 from .space import ArmModels, group_of, label, MOST_LAWS
-from ..compare.beam import Compared, search
-from ..compare.names import likely, Name, Named
+from ..fit.beam import Compared, search
+from ..fit.names import likely, Name, Named
 from ...exceptions import ParameterRangeError, RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics
-from ...physics.joints import JOINT_EFFECTS
+from ...physics.joint_effects import JOINT_EFFECTS
 
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without

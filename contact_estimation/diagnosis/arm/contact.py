@@ -13,9 +13,9 @@ import numpy as np
 
 from .arm_recording import ArmRecording, Array, read_arm_recording
 from .result import ArmDiagnosis
-from ..conclude.diagnose import diagnose
-from ..conclude.result import Diagnosis
+from ..diagnose import diagnose
 from ..observe.signals import read_recording, Recording, without_reference
+from ..result import Diagnosis
 from ...kinematics.arm_dynamics import ArmDynamics
 from ...plant.plant_parameters import PlantParameters
 

@@ -15,12 +15,12 @@ from .gram import GAIN_STD
 from .inertia import possible_inertial
 from .result import ArmEffect
 from .space import ArmModels, label
-from ..compare.beam import Compared
-from ..compare.evidence import share_of
-from ..compare.names import Named
-from ..conclude.result import Value
+from ..fit.beam import Compared
+from ..fit.evidence import share_of
+from ..fit.names import Named
+from ..result import Value
 from ...kinematics.arm_dynamics import PER_LINK
-from ...physics.joints import JOINT_EFFECTS
+from ...physics.joint_effects import JOINT_EFFECTS
 
 _SHOWS = 0.1  # of the largest share of a law of the whole arm: joints that show it
 _WEAK = 0.05  # of the largest range of a torque

@@ -21,9 +21,9 @@ import numpy as np
 
 from .arm_recording import Array
 from .channels import Channels, Term
-from ..compare.constants import ARM
-from ...physics.joints import JOINT_EFFECTS
-from ...physics.joints.carried_load import typical_inertial
+from ..fit.constants import ARM
+from ...physics.carried_load import typical_inertial
+from ...physics.joint_effects import JOINT_EFFECTS
 
 CALIBRATION = Term('calibration')
 # Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.

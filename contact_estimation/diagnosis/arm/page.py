@@ -26,7 +26,7 @@ _LACKS_MOST = 0.5  # of a torque, which has the darkest colour
 def as_html(d: ArmDiagnosis, title: str) -> str:
     """Build the page."""
     verdict = 'recording refused' if d.refused else d.verdict.replace('_', ' ')
-    template = environment('contact_estimation.diagnosis.report.page').get_template('arm.html')
+    template = environment('contact_estimation.diagnosis.report').get_template('arm.html')
     shown = d.joints and d.channels is not None
     return template.render(
         d=d, title=title, verdict=verdict, headline=headline(d), value_text=value_text,

@@ -12,8 +12,8 @@ from .arm_recording import Array
 from .channels import Channels, Term
 from .checks import ArmCheck
 from .gram import Fitted
-from ..compare.beam import Compared
-from ..conclude.result import Diagnosis, Value
+from ..fit.beam import Compared
+from ..result import Diagnosis, Value
 
 VERDICTS = ('consistent', 'recalibrate', 'physics_missing', 'unexplained')
 """From the best to the worst."""

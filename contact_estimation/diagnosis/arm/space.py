@@ -12,9 +12,9 @@ import numpy as np
 
 from .channels import Term
 from .gram import Fitted, Gram, of_blocks, remainder
-from ..compare.constants import ARM, Constants
-from ..compare.evidence import Evidence, Scored
-from ...physics.joints import JOINT_EFFECTS, Place
+from ..fit.constants import ARM, Constants
+from ..fit.evidence import Evidence, Scored
+from ...physics.joint_effects import JOINT_EFFECTS, Place
 
 Model = frozenset[Term]
 

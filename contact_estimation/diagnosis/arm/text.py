@@ -9,9 +9,9 @@ from math import isfinite
 from typing import Any
 
 from .result import ArmDiagnosis, ArmEffect
-from ..conclude.result import Value
 from ..report.json_report import as_dict as contact_dict, finite
 from ..report.text_report import as_text as contact_text
+from ..result import Value
 
 _COLUMNS = (('joint', '<24'), ('verdict', '<16'), ('range', '>9'), ('nominal', '>9'),
             ('recalibr.', '>10'), ('corrected', '>10'), ('explained', '>10'),

@@ -18,7 +18,7 @@ from ..observe.model import Model
 from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
-from ...parameters.values import build, flatten
+from ...parameters import build, flatten
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
+from .evidence import prior, ranked_by
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
-from ..compare.evidence import prior, ranked_by
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber

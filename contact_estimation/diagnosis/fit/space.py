@@ -17,12 +17,12 @@ from typing import Callable, NamedTuple, Sequence, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .constants import CONSTANTS
 from .discrepancy import CHANNELS, force_of_motion, weighed
+from .evidence import Evidence, prior, ranked, Scored, ZEROS
 from .fitting import Fit, fit, fit_at
 from .left_out import Linearised, Part, parts_of
 from .screening import measure_scales, Screening, Step
-from ..compare.constants import CONSTANTS
-from ..compare.evidence import Evidence, prior, ranked, Scored, ZEROS
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .observed import Observed
 from .observer import link_against_wall
-from ...parameters.specification import of_valid, own_specifications
+from ...parameters import of_valid, own_specifications
 from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw
 from ...physics.effect import Effect

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import RecordingError, UnknownNameError
-from ...messages import FORCE_OF_AXIS
-from ...parameters.values import build
+from ...parameters import build
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
 from ...recordings.free_flight import Tare
+from ...recordings.readings import FORCE_OF_AXIS
 from ...recordings.recorded_signals import RecordedSignals
 from ...recordings.source import RecordingSource
 from ...texts import printable

@@ -17,8 +17,8 @@ import numpy as np
 
 from .plot_data import Comparison, PlotData, Residuals
 from .wording import quantity
-from ..conclude.dependence import Dependence
-from ..conclude.result import Diagnosis, NamedEffect
+from ..dependence import Dependence
+from ..result import Diagnosis, NamedEffect
 from ...figures import BLUE, figure_style, GREY, INK, MUTED, new_figure, OCHRE, ORANGE
 
 COLOURS = {'nominal': GREY, 'recalibrated': ORANGE, 'corrected': BLUE}

@@ -10,10 +10,10 @@ from typing import Any
 
 import yaml
 
-from ..conclude.result import Diagnosis, Errors, NamedEffect, Remainder, Value
 from ..fit.free_run import plant_of
 from ..observe.model import Model, names_of
-from ...parameters.values import flatten
+from ..result import Diagnosis, Errors, NamedEffect, Remainder, Value
+from ...parameters import flatten
 from ...plant.plant_parameters import PlantParameters
 
 

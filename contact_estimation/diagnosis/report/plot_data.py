@@ -11,11 +11,11 @@ from typing import Mapping, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..conclude.result import Diagnosis
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import force_residual, motion_residual
 from ..observe.usable_samples import usable
+from ..result import Diagnosis
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]

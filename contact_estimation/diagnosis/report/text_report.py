@@ -21,9 +21,9 @@ from .wording import (
     tested_dependences,
     trifle,
 )
-from ..conclude.next_experiment import listed
-from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
+from ..next_experiment import listed
 from ..observe.model import names_of
+from ..result import Diagnosis, Errors, NamedEffect, Value
 
 
 def as_text(diagnosis: Diagnosis) -> str:

@@ -9,9 +9,9 @@ from math import isfinite, sqrt
 from typing import Sequence
 
 from ..checks.check import WORTH_A_NAME
-from ..conclude.dependence import Dependence
-from ..conclude.location import Location
-from ..conclude.result import Diagnosis, NamedEffect
+from ..dependence import Dependence
+from ..location import Location
+from ..result import Diagnosis, NamedEffect
 from ...physics import EFFECTS
 
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',

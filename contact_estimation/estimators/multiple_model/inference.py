@@ -20,7 +20,7 @@ from .evidence import (
     Hypotheses, hypotheses, judge, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
+    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
 from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
@@ -76,7 +76,7 @@ class WallInference:
         self.changes, self.rhythm = 0, Rhythm(self.rhythm.followed)
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
-        self._depth, self._residual = 1e-3, nan
+        self._depth, self._scatter, self._residual = 1e-3, 0.0, nan
         self._scale, self._seconds = 1e3, DAMPING_S  # K_e and B_e / K_e for the priors
         self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
@@ -246,8 +246,11 @@ class WallInference:
             self._touched = None
         self.rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
-        depth = max(float(phi[DEPTH].mean()), 1e-5)
-        self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
+        depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
+        off = depth - self._depth
+        self._scatter = (1.0 - gain) * (self._scatter + gain * off * off) + gain * float(
+            phi[DEPTH].var())
+        self._depth += gain * off
         self._gram *= fade
         self._gram += gram
         self._runs.add(gram, fade, seconds)
@@ -337,7 +340,6 @@ class WallInference:
             self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
         self._rescale(K, B, 1.0, self.lag.lag[0])
-        self._depth_s = 0.0
 
     def _surprise(self, phi: Array, weights: Array) -> float:
         """Average and return the mean square residual of a block, in variances of the noise."""
@@ -387,7 +389,8 @@ class WallInference:
         self.known = Knowledge(
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            sqrt(self._residual) if self._residual == self._residual else nan)
+            sqrt(self._residual) if self._residual == self._residual else nan,
+            tuple((np.sqrt(POWERS**2 @ of_law * self._scatter) / self._depth).tolist()))
         if self.known.valid:
             self._rescale(K, B, _SOFTER * self._scale)
 

@@ -75,6 +75,9 @@ DEEP = np.array([name.startswith('hunt') for name in NAMES])
 CURVED = EXPONENT != 1.0
 """Which laws are linear in a shift of the surface only where it is small beside the depth."""
 
+POWERS: Array = np.stack([EXPONENT - 1.0, np.where(DEEP, EXPONENT, 0.0)])
+"""Powers of the depth that K_e and B_e of each law grow with, shape (2, 7)."""
+
 CHOSEN: Ints = np.array([(*law.columns, FORCE) for law in LAWS.values()])
 # n y^(n-1) and S1 y^n of n = 2 are twice the columns that they share with other laws.
 _TWICE = np.where(EXPONENT == 2.0, 2.0, 1.0)

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import log, sqrt
+from math import hypot, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -37,11 +37,19 @@ class Knowledge(NamedTuple):
     laws: tuple[float, ...]  # probabilities, in the order of `laws.NAMES`
     # rms of the residual over that of the noise, in the last 2 s of contact; NaN before
     fit: float
+    # relative deviations of K_e and B_e over the depths of the last second, with which they grow
+    varies: tuple[float, float] = (0.0, 0.0)
 
     @property
     def valid(self) -> bool:
         """Whether the stiffness is known to a third of it."""
         return self.stiffness_std < SURE * self.stiffness
+
+    @property
+    def stds_of_depths(self) -> tuple[float, float]:
+        """Return the deviations of K_e and B_e, with how they differ at the depths of late."""
+        return (hypot(self.stiffness_std, self.varies[0] * self.stiffness),
+                hypot(self.damping_std, self.varies[1] * self.damping))
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)

@@ -22,14 +22,14 @@ from ...diagnosis.arm.result import ArmDiagnosis
 from ...diagnosis.arm.text import as_dict
 from ...diagnosis.report.json_report import as_dict as contact_dict
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
-from ...messages import encode_arm, ForceTorqueEncoder
-from ...parameters.values import build
+from ...parameters import build
 from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw
-from ...physics.joints import JOINT_EFFECTS
+from ...physics.joint_effects import JOINT_EFFECTS
 from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
 from ...plant.plant_parameters import PlantParameters
+from ...recordings.encoding import encode_arm, ForceTorqueEncoder
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory
 from ...reference.arm_pressing import pressing_motion

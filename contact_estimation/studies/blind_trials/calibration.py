@@ -13,8 +13,8 @@ from typing import Any, Iterable, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from .family_scoring import of_families
-from ...diagnosis.compare.beam import Compared, of_dict
-from ...diagnosis.compare.constants import CONSTANTS, Constants
+from ...diagnosis.fit.beam import Compared, of_dict
+from ...diagnosis.fit.constants import CONSTANTS, Constants
 from ...exceptions import ParameterRangeError
 from ...physics import EFFECTS
 
@@ -56,7 +56,7 @@ class Calibration:
         return '\n'.join(lines)
 
     def write(self, path: Path) -> None:
-        """Write the constants as `diagnosis/compare/constants.json` holds them."""
+        """Write the constants as `diagnosis/fit/constants.json` holds them."""
         path.write_text(json.dumps(self.constants._asdict(), indent=1) + '\n')
 
 

@@ -15,8 +15,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from .foreign_law import Compliance, ContactLaw, ForeignLaw, RobotLaw, SensorLaw, Signals
 from .worlds import Run, SensorModel
-from ..foreign_laws.law import Compliance, ContactLaw, ForeignLaw, RobotLaw, SensorLaw, Signals
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...reference.experiment import Experiment
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
 from .concealment import active_intervals, conceal, rms_ratio
+from .foreign_law import ForeignLaw, Magnitudes, Values
+from .foreign_laws import ALL_LAWS
 from .rig import Rig, simulate_rig
 from .rig_worlds import draw_rig, STAGES
 from .worlds import draw_nominal_wall, Run
-from ..foreign_laws import ALL_LAWS
-from ..foreign_laws.law import ForeignLaw, Magnitudes, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters
 
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ from typing import Callable, Mapping
 from numpy.random import Generator
 
 from .experiments import Builder, Stage
+from .foreign_law import log_uniform
 from .rig import draw_nuisances, Rig
 from .worlds import draw_world, SensorModel
-from ..foreign_laws.law import log_uniform
 from ...plant.plant_parameters import WallParameters
 from ...reference.experiment import Experiment, Multisine, Sine
 

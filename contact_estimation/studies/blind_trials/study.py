@@ -19,9 +19,9 @@ import numpy as np
 from .calibration import judged, JudgedTrial
 from .exact_scoring import Score, score
 from .family_scoring import family_score, FamilyScore
+from .foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from .rig_trial import draw_rig_trial
 from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
-from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from ...scheduling import Call, Workers
 
 _TIMEOUT_S = 1800.0  # of one diagnosis

@@ -24,13 +24,13 @@ from .rig_trial import integration_rate, rig_truth, RigTrial
 from .worlds import (
     draw_nominal_wall, draw_world, INTEGRATION_HZ, measure, Measurement, RandomWorld, Run,
     scales_of, SensorModel, simulate, TRUTH_HZ)
-from ...messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ...physics import EFFECTS
 from ...physics.contact_effect import ContactEffect
 from ...physics.effect import Need
 from ...physics.prior import Strength, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...recordings import RecordingWriter
+from ...recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 
 
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
 from .experiments import draw_experiment, Stage
-from ...parameters.values import build, flatten
+from ...parameters import build, flatten
 from ...physics.prior import log_uniform, Scales, Values
 from ...plant.plant_parameters import PlantParameters, RobotParameters, WallParameters
 from ...plant.world import World

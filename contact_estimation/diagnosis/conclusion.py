@@ -1,0 +1,266 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""From compared models to the result: names, values, held-out errors, verdict."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .dependence import dependences
+from .fit.discrepancy import discounted, material, standard_deviations
+from .fit.evidence import explained, ranked_by, Scored, share_of, ZEROS
+from .fit.fitting import cost_of, Fit, fit
+from .fit.free_run import free_run, refine
+from .fit.names import name, Named, parts, without_least
+from .fit.space import untried
+from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
+from .location import locate, Location
+from .next_experiment import advice, nearly
+from .observe.model import Model
+from .observe.prepared_recording import prepare, PreparedRecording, Recordings
+from .observe.residuals import force_residual
+from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
+from .views import Progress, Seen
+from ..parameters import own_specifications
+from ..physics import EFFECTS
+
+Array = NDArray[np.float64]
+
+_MOST = 0.5  # share of the misfit that names must explain: at least half, by the definition
+_SHOWS = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
+_AS_FITTED = 1.5, 3.0  # times that error of force and free run, which drifts: more is no noise
+_NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
+
+MODELS = ('nominal', 'recalibrated', 'corrected')
+
+
+def conclude(seen: Seen, seed: int, progress: Progress) -> Diagnosis:
+    """Name what is missing, and test the models on held-out data."""
+    progress('names')
+    named = name(seen.compared, seed, seen.models.without)
+    tested = _tested(seen, named.model, progress)
+    while named.names and not _holds(seen, named.model, tested):
+        named = without_least(seen.compared, named, seen.models.without)
+        tested = _tested(seen, named.model, progress)
+    generator = np.random.default_rng(seed)
+    return _Conclusion(seen, named, tested, generator).diagnosis()
+
+
+class _Tested(NamedTuple):
+    """Models with their final values, and their errors on the held-out parts."""
+
+    recordings: Recordings
+    base: Fit
+    best: Fit
+    parts: list[Part]
+    free_runs: dict[str, Array]
+    force_error: float  # of the recalibrated model, on what is fitted [N]
+    free_run_error: float  # the same [m]
+
+
+def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
+    """Refine the values of a model, and measure its errors on held-out parts."""
+    recordings, best = _refined(seen, chosen, progress)
+    nominal = seen.view.given.nominal
+    base = seen.base if chosen.named else best
+    models = (nominal, base.model, best.model)
+    progress('held-out parts')
+    parts, runs = list[Part](), [_free_runs(one, models) for one in recordings]
+    for one, positions in zip(recordings, runs):
+        if one.held_out is not None:
+            whole = discounted(one.whole(base.model), base.model)
+            prefix = f'{one.name}, ' if len(recordings) > 1 else ''
+            parts.append(measure_part(
+                prefix + one.held_out.name, whole, one.held_out.samples, models, positions))
+    for raw in seen.view.given.held_out:
+        one = prepare(raw, nominal, hold=False)
+        everything = np.ones(len(one.observed.t), bool)
+        parts.append(measure_part(one.name, one, everything, models, _free_runs(one, models)))
+    left = np.concatenate([force_residual(one, base.model)[one.force.use] for one in recordings])
+    errors = [(one.observed.raw_position - each[1])[one.use & ~one.observed.start]
+              for one, each in zip(recordings, runs) if each is not None]
+    usual = float(np.sqrt(np.mean(np.concatenate(errors) ** 2))) if errors else 0.0
+    return _Tested(recordings, base, best, parts, dict(zip(MODELS, runs[0] or ())),
+                   float(np.sqrt(np.mean(left**2))), usual)
+
+
+def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
+    """
+    Return whether names hold: the one test of adequacy, with the only use of held-out data.
+
+    They explain a fair share of what is left out, and of what held-out data show in the channels
+    that tell them: the force does not tell an effect of the robot, nor the motion one of the
+    sensor. In none of them do they double the misfit.
+    """
+    evidence = seen.compared.evidence
+    ports = {EFFECTS[name].port for name in chosen.effects}
+    force, motion = errors_of(tested.parts)
+    shown = []
+    if ports != {'robot'}:
+        noise = max(one.force_noise for one in seen.recordings)
+        shown.append(force.explained(noise, _SHOWS * tested.force_error))
+    if ports != {'force_sensor'}:
+        noise = max(one.observed.position_noise for one in seen.recordings)
+        shown.append(motion.explained(noise, _SHOWS * tested.free_run_error))
+    known = [share for share in shown if share is not None]
+    left_out = explained(evidence, chosen, 1 if ports == {'robot'} else None).share
+    if min(known, default=0.0) < -1.0:
+        return False
+    return min(left_out, max(known, default=left_out)) >= evidence.constants.confirmed
+
+
+def _refined(seen: Seen, chosen: Scored, progress: Progress) -> tuple[Recordings, Fit]:
+    """Return the recordings and the fit of a model; its output error where its laws are exact."""
+    model: Model = chosen.found.found.model
+    if not seen.compared.evidence.is_exact(chosen):
+        return chosen.found.recordings, chosen.found.found
+    recordings = seen.recordings
+    found = fit(recordings, model)
+    if not all(one.observed.has_dynamics(model.nominal) for one in recordings):
+        return recordings, found
+    progress('output error')
+    return refine(recordings, found)
+
+
+def _free_runs(recording: PreparedRecording, models: Sequence[Model]) -> list[Array] | None:
+    """Return the free-run positions of the models; None where they tell nothing."""
+    o = recording.observed
+    if not o.has_dynamics(models[0].nominal):
+        return None
+    runs = [free_run(one, o).position for one in models[:2]]
+    runs.append(runs[1] if models[2] is models[1] else free_run(models[2], o).position)
+    # Of a force that drives a mass the free run integrates twice.
+    away = max(float(np.max(np.abs(x - o.x))) for x in runs)
+    if o.driven_by_force(models[0].nominal) and not away < float(np.ptp(o.x)):
+        return None
+    return runs
+
+
+class _Conclusion:
+    """The parts of a result."""
+
+    def __init__(
+        self, seen: Seen, named: Named, tested: _Tested, generator: np.random.Generator
+    ) -> None:
+        self._seen, self._named, self._tested, self._rng = seen, named, tested, generator
+        self._evidence = seen.compared.evidence
+        largest = ranked_by(tested.recordings, lambda one: -_misfit_of(one, tested.base.model))
+        self._recordings, self._shown = largest, largest[0]
+        self._explained = explained(self._evidence, named.model)
+        self._stds = standard_deviations(tested.recordings, tested.best)
+
+    def diagnosis(self) -> Diagnosis:
+        """Put the result together."""
+        tested, seen = self._tested, self._seen
+        effects = self._effects()
+        base, best = tested.base, tested.best
+        models = (seen.view.given.nominal, base.model, best.model)
+        force, motion = errors_of(tested.parts)
+        verdict = self._verdict(effects)
+        by_name = dict(zip(MODELS, models))
+        rivals = {key: one.found.found.model for key, one in self._named.rivals.items()}
+        unilateral = models[0].nominal.environment.unilateral
+        return Diagnosis(
+            verdict=verdict, effects=effects, location=self._location(verdict, effects),
+            remainder=self._remainder(effects), nominal=models[0], recalibrated=models[1],
+            corrected=models[2], stiffness=Value(best.model.stiffness, self._stds[0], 'N/m'),
+            damping=Value(best.model.damping, self._stds[1], 'N s/m'),
+            noise_floor=float(np.mean([one.force_noise for one in self._recordings])),
+            force=force, motion=motion,
+            improvement=improvement_interval(tested.parts, self._rng),
+            holdouts=by_part(tested.parts),
+            next_experiment=advice(effects, rivals, verdict, unilateral), rivals=rivals,
+            evidence=self._alone(), residual_power=best.cost / best.residual_count,
+            dependences={key: dependences(self._shown, by_name[key], self._rng)
+                         for key in pair_of(bool(effects))},
+            recordings=self._recordings, free_runs=tested.free_runs,
+            checks=seen.view.given.checks, holds_reference=seen.view.holds_reference,
+            rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
+            nearly='' if verdict != 'unexplained' or self._named.model.laws else nearly(
+                self._evidence, seen.compared.models),
+            compared=seen.compared,
+        )
+
+    def _verdict(self, effects: Sequence[NamedEffect]) -> str:
+        """Return the verdict, the one place where it is made."""
+        if effects:
+            return 'physics_missing' if self._explained.share >= _MOST else 'unexplained'
+        force, motion = errors_of(self._tested.parts)
+        fitted = (max(self._tested.force_error, self._shown.force_noise),
+                  max(self._tested.free_run_error, self._shown.observed.position_noise))
+        for there, here, factor in zip(
+                (force.recalibrated, motion.recalibrated), fitted, _AS_FITTED):
+            if there is not None and there > factor * here:
+                return 'unexplained'
+        base = self._tested.base.model
+        if not self._evidence.is_exact(self._evidence.base) and material(
+                self._seen.models.weighed(base), base):
+            return 'unexplained'
+        nominal = self._seen.models.as_given(self._seen.view.given.nominal)
+        gain = self._evidence.score(self._evidence.base) - self._evidence.score(nominal)
+        free = int(np.count_nonzero(base.free))
+        price = self._evidence.constants.parameter * free
+        return 'consistent' if gain < price else 'recalibrate'
+
+    def _effects(self) -> list[NamedEffect]:
+        """Describe the names: the most certain first, in tenths, then the largest share."""
+        model, names = self._named.model, {one.effect: one for one in self._named.names}
+        if not names:
+            return []
+        values = self._tested.best.model
+        told = parts(self._seen.compared, self._named, self._seen.models.without)
+        zeros = [part for effect, part in told.items() if effect in ZEROS]
+        rest = replace(self._evidence, base=zeros[-1].after) if zeros else None
+        alone = [model.found.values_on(part) for part in model.found.parts]
+        found = []
+        for effect, (share, before, after) in told.items():
+            beside = None if rest is None or effect in ZEROS else share_of(rest, before, after)
+            cls, stds = EFFECTS[effect], self._stds[values.place(effect)]
+            parameters = {
+                spec.name: Value(value, float(std), spec.unit) for spec, value, std in zip(
+                    own_specifications(cls), values.effect(effect).values().values(), stds)}
+            on_parts = [
+                EffectOnPart(part.name, float(of_part), each.effect(effect).values())
+                for part, of_part, each in zip(model.found.parts, share.parts, alone)]
+            found.append(NamedEffect(
+                effect, cls.family, cls.port, cls.equation, names[effect].probability,
+                share.share, share.interval, on_parts, parameters, names[effect].alike,
+                locate(self._shown, before.found.found.model, cls), beside))
+        by_share = ranked_by(found, lambda one: -one.share)
+        return ranked_by(by_share, lambda one: -round(one.probability, 1))
+
+    def _location(self, verdict: str, effects: Sequence[NamedEffect]) -> Location | None:
+        """Locate what the recalibrated model lacks."""
+        if verdict not in ('physics_missing', 'unexplained'):
+            return None
+        model = self._tested.base.model
+        if effects:
+            return locate(self._shown, model, EFFECTS[effects[0].name])
+        return locate(self._shown.whole(model), model)  # it may be in the held-out part alone
+
+    def _remainder(self, effects: Sequence[NamedEffect]) -> Remainder | None:
+        """Describe what all names leave on parts left out; None if that is noise."""
+        left = min(1.0 - self._explained.share, 1.0)
+        if not effects or left < _NOTHING:
+            return None
+        location = locate(self._shown, self._tested.best.model)
+        where = f' at {location.region}' if location.region else ''
+        low, high = location.band_hz
+        return Remainder(left, location, (
+            f'{100.0 * left:.0f} % of the misfit is left by all named effects together, mostly '
+            f'in the {location.phase} phase{where}, {low:.2g} to {high:.2g} Hz'))
+
+    def _alone(self) -> dict[str, float]:
+        """Return the share that each effect explains alone."""
+        return {one.effects[0]: max(0.0, explained(self._evidence, one).share)
+                for one in self._seen.compared.models if len(one.effects) == 1}
+
+
+def _misfit_of(recording: PreparedRecording, model: Model) -> float:
+    """Return the mean square that a model leaves of a recording."""
+    return cost_of([recording], model) / max(recording.residual_count, 1)

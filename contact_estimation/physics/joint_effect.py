@@ -1,0 +1,167 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Base class of the physics of an arm, and the motion along which it acts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+from .numeric import Array
+from ..kinematics.arm_dynamics import ArmDynamics, Outside
+
+Place = Any
+"""A joint, or the link that it moves: int; two joints and the sign of their sum; the arm: None."""
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """
+    Motion of an arm and what its description makes of it.
+
+    Attributes
+    ----------
+    arm : ArmDynamics
+        Of the description, n joints.
+    q, v, a : ndarray, shape (N, n)
+        Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
+    load : ndarray, shape (N, n)
+        What the drives must give, see `torque` [N m].
+    speed, middle : ndarray, shape (n,)
+        What each joint exceeds in 5 % of the time [rad/s], and its mean position [rad].
+    carried : ndarray, shape (N, n)
+        The load within the band of the motion [N m]: what bends a joint is differentiated twice.
+    period : float
+        Between samples [s].
+    outside : Outside, optional
+        Measured contact.
+
+    """
+
+    arm: ArmDynamics
+    q: Array
+    v: Array
+    a: Array
+    load: Array
+    speed: Array
+    middle: Array
+    carried: Array
+    period: float = 0.0
+    outside: Outside | None = None
+
+    def torque(self, q: Array, v: Array, a: Array) -> Array:
+        """Return RNEA(q, v, a) - J(q)^T F with the measured F, shape (N, n)."""
+        return self.arm.torque(q, v, a) - self.arm.torque_from(q, self.outside)
+
+    @property
+    def felt(self) -> Array:
+        """Return J(q)^T F, the torque of what acts on the arm, shape (N, n) [N m]."""
+        return self.arm.torque_from(self.q, self.outside)
+
+    @cached_property
+    def regressor(self) -> Array:
+        """Return Y of `ArmDynamics.regressor`, shape (N, n, 10 n)."""
+        return self.arm.regressor(self.q, self.v, self.a)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Return the inertia that each joint moves, shape (N, n) [kg m^2]."""
+        zero = np.zeros(self.q.shape[1])
+        return np.array([np.diag(self.arm.forward(x, zero, zero)[0]) for x in self.q])
+
+    def rate(self, signal: Array) -> Array:
+        """Return the time derivative of a signal, first axis time."""
+        return np.asarray(np.gradient(signal, self.period, axis=0))
+
+    def moved(self, joint: int, shift: Array) -> Array:
+        """Return the change of RNEA if a joint's link lags by a small angle, shape (N, n)."""
+        moved = [self.q.copy(), self.v.copy(), self.a.copy()]
+        for signal in moved:
+            signal[:, joint] -= shift
+            shift = self.rate(shift)
+        return self.torque(*moved) - self.load
+
+
+@dataclass(frozen=True)
+class JointEffect:
+    """
+    Physics that adds to the torques of an arm: tau = RNEA(q, q', q'') + sum theta_k columns_k.
+
+    Attributes
+    ----------
+    name, family, equation : str
+        As of `Effect`.
+    coefficients : tuple of (str, str)
+        Symbol and unit of each theta_k; rad stands for m where a joint slides.
+    law : callable
+        Of motion, place and shape: the K columns of the joint itself, each of shape (N,) [N m]
+        per unit; or, of what shows in several joints, columns (N, K) by joint.
+    place : str
+        Where it acts: 'joint', 'link', 'pair' of neighbouring joints or 'arm'.
+    group : str
+        Of laws of which a place has one at most; the family by default.
+    shape : tuple of (str, str), optional
+        Symbol and unit of a value in which the law is not linear, if it has one.
+    shapes : callable
+        Of motion and place: the values of `shape` that are compared.
+    typical : callable, optional
+        Of motion and place: standard deviations of the coefficients before any data, shape (K,);
+        any size up to twice the variation of the joint's torque by default.
+    possible : callable
+        Whether coefficients (K,) are physically possible.
+    laws : int
+        Number of laws that it adds to plain friction, which every joint has.
+    is_curve : bool
+        Whether it is a curve that follows almost any slow misfit of a joint.
+    needs_wrench : bool
+        Whether it is of a sensor of force and torque.
+
+    """
+
+    name: str
+    family: str
+    equation: str
+    coefficients: tuple[tuple[str, str], ...]
+    law: Callable[[JointMotion, Place, Any], Sequence[Array] | Mapping[int, Array]]
+    place: str = 'joint'
+    group: str = ''
+    shape: tuple[str, str] | None = None
+    shapes: Callable[[JointMotion, Place], tuple[float, ...]] = lambda motion, place: (0.0,)
+    typical: Callable[[JointMotion, Place], Array] | None = None
+    possible: Callable[[Array], bool] = lambda theta: True
+    laws: int = 1
+    is_curve: bool = False
+    needs_wrench: bool = False
+
+    def columns(self, motion: JointMotion, place: Place, shape: Any = 0.0) -> dict[int, Array]:
+        """
+        Return the torque per unit of each coefficient.
+
+        Parameters
+        ----------
+        motion : JointMotion
+            N samples; a single one in a simulation.
+        place : Place
+            Of the kind `self.place`.
+        shape : float
+            Value in which the law is not linear; 0 without one.
+
+        Returns
+        -------
+        columns : dict of int to ndarray, shape (N, K)
+            By joint, where they are not 0 [N m].
+
+        """
+        found = self.law(motion, place, shape)
+        if isinstance(found, Mapping):
+            return dict(found)
+        return {place: np.stack(found, axis=1)}
+
+
+def positive(theta: Array) -> bool:
+    """Return whether no coefficient is negative, as of what only dissipates or stores energy."""
+    return bool((theta >= 0.0).all())

@@ -1,0 +1,140 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Two public arms with a wrist sensor and a tool, as descriptions and as MuJoCo models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+import sys
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import MissingPackageError
+
+Array = NDArray[np.float64]
+
+SENSOR, TOOL, TIP = 'ft_sensor', 'tool', 'tool_tip'
+TOOL_MASS, TOOL_CENTRE = 1.2, (0.012, -0.018, 0.061)  # [kg], [m] in the sensor's frame
+_TOOL_INERTIA = (0.0022, 0.0024, 0.0011)  # about its centre [kg m^2]
+_SENSOR_RPY, _TIP_XYZ = (0.0, 0.0, 0.6), (0.0, 0.0, 0.17)
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One of the arms, its pose at the wall and the rates of its topics."""
+
+    # name, description: name, and the file in the package example-robot-data
+    name: str
+    description: str
+    # base, flange: links
+    base: str
+    flange: str
+    removed: tuple[str, ...]  # links beyond the flange that the tool replaces
+    home: tuple[float, ...]  # joints in front of the wall [rad]
+    # joint_period, wrench_period: time between messages [ms]
+    joint_period: int
+    wrench_period: int
+
+
+ARMS = {
+    'panda': Arm(
+        'panda', 'panda_description/urdf/panda.urdf', 'panda_link0', 'panda_link8',
+        ('panda_hand', 'panda_hand_tcp', 'panda_leftfinger', 'panda_rightfinger'),
+        (0.2, -0.4, 0.1, -2.1, 0.2, 1.9, 0.6), 2, 1,
+    ),
+    'ur5': Arm(
+        'ur5', 'ur_description/urdf/ur5_robot.urdf', 'base_link', 'tool0', (),
+        (0.3, -1.3, 1.7, -1.4, -1.3, 0.4), 8, 2,
+    ),
+}
+
+
+def mujoco() -> Any:
+    """Import MuJoCo, which is optional."""
+    try:
+        import mujoco as package
+    except ImportError as error:
+        raise MissingPackageError.of('mujoco', 'simulating arms') from error
+    return package
+
+
+def description_of(arm: Arm) -> str:
+    """Return the description of an arm with sensor and tool."""
+    folders = (Path(place, 'cmeel.prefix/share/example-robot-data/robots') for place in sys.path)
+    file = next((f / arm.description for f in folders if (f / arm.description).is_file()), None)
+    if file is None:
+        raise MissingPackageError.of('example-robot-data', f'the description of {arm.name}')
+    robot = ElementTree.parse(file).getroot()
+    _strip(robot, arm.removed)
+    _add_link(robot, SENSOR, arm.flange, rpy=_SENSOR_RPY)
+    tool = _add_link(robot, TOOL, SENSOR)
+    inertial = ElementTree.SubElement(tool, 'inertial')
+    ElementTree.SubElement(inertial, 'origin', xyz=_text(TOOL_CENTRE))
+    ElementTree.SubElement(inertial, 'mass', value=str(TOOL_MASS))
+    ixx, iyy, izz = map(str, _TOOL_INERTIA)
+    ElementTree.SubElement(inertial, 'inertia', ixx=ixx, iyy=iyy, izz=izz,
+                           ixy='0', ixz='0', iyz='0')
+    _add_link(robot, TIP, TOOL, xyz=_TIP_XYZ)
+    return ElementTree.tostring(robot, encoding='unicode')
+
+
+def mujoco_model(urdf: str, timestep: float, friction: Array | None = None) -> Any:
+    """
+    Build the MuJoCo model of a description, with a force and a torque sensor at the wrist.
+
+    timestep: step [s]
+    friction (n,): dry friction of the joints [N m]
+    """
+    package, robot = mujoco(), ElementTree.fromstring(urdf)
+    extension = ElementTree.SubElement(robot, 'mujoco')
+    ElementTree.SubElement(extension, 'compiler', fusestatic='false', balanceinertia='true')
+    spec = package.MjSpec.from_string(ElementTree.tostring(robot, encoding='unicode'))
+    spec.body(TOOL).add_site(name=SENSOR)
+    spec.body(TIP).add_site(name=TIP)
+    for kind, name in ((package.mjtSensor.mjSENS_FORCE, 'force'),
+                       (package.mjtSensor.mjSENS_TORQUE, 'torque')):
+        spec.add_sensor(type=kind, name=name, objname=SENSOR,
+                        objtype=package.mjtObj.mjOBJ_SITE)
+    spec.option.timestep = timestep
+    model = spec.compile()
+    if friction is not None:
+        model.dof_frictionloss[:] = friction
+    return model
+
+
+def _strip(robot: ElementTree.Element, removed: tuple[str, ...]) -> None:
+    """Remove meshes, and links that the tool replaces."""
+    for link in robot.findall('link'):
+        for part in ('visual', 'collision'):
+            for each in link.findall(part):
+                link.remove(each)
+        if link.get('name') in removed:
+            robot.remove(link)
+    for joint in robot.findall('joint'):
+        child = joint.find('child')
+        if child is not None and child.get('link') in removed:
+            robot.remove(joint)
+    for kind in ('transmission', 'gazebo'):
+        for each in robot.findall(kind):
+            robot.remove(each)
+
+
+def _add_link(
+    robot: ElementTree.Element, name: str, parent: str,
+    xyz: tuple[float, ...] = (0.0, 0.0, 0.0), rpy: tuple[float, ...] = (0.0, 0.0, 0.0),
+) -> ElementTree.Element:
+    link = ElementTree.SubElement(robot, 'link', name=name)
+    joint = ElementTree.SubElement(robot, 'joint', name=f'{name}_mount', type='fixed')
+    ElementTree.SubElement(joint, 'parent', link=parent)
+    ElementTree.SubElement(joint, 'child', link=name)
+    ElementTree.SubElement(joint, 'origin', xyz=_text(xyz), rpy=_text(rpy))
+    return link
+
+
+def _text(numbers: tuple[float, ...]) -> str:
+    return ' '.join(map(str, numbers))

@@ -1,0 +1,281 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Diagnose the records of a folder and score the names."""
+
+from __future__ import annotations
+
+from concurrent.futures import as_completed, ThreadPoolExecutor
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Mapping, NamedTuple, Sequence
+
+import numpy as np
+
+from .blind_trials.family_scoring import (
+    NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
+from .blind_trials.study import diagnose_command
+from .measuring import run_timed
+from ..commands.command_line import check_outputs, command, Parser, require_at_least, write_results
+from ..commands.progress import Progress
+from ..diagnosis.observe.signals import read_recording
+from ..exceptions import RecordingError
+from ..physics import EFFECTS
+
+
+CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
+           'failed')
+"""Classes of a record of which the truth is known."""
+
+_ALIKE = (
+    {'coulomb_friction', 'stribeck_friction', 'presliding_friction', 'robot_friction',
+     'bouc_wen_hysteresis'},
+    {'bouc_wen_hysteresis', 'plastic_set', 'unloading_hysteresis', 'presliding_friction'},
+    {'dead_zone', 'backlash', 'contact_offset'},
+)
+# These are of one kind as acceptable names, but each of them says less than its family.
+_ALONE = {'bouc_wen_hysteresis', *NEUTRAL}
+_MIXED = ('wall_motion', 'limits', 'robot')  # families whose members are different things
+
+
+def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
+    """Return the effects that a truth file asks for."""
+    if 'acceptable_names' in truth:
+        return set(truth['acceptable_names'])
+    if 'families' in truth:
+        return of_families(truth['families'])
+    if 'effects' in truth:
+        return {name for effect in truth['effects']
+                for name in (effect['name'], *effect.get('also', []))}
+    raise RecordingError(
+        f'a truth file must have acceptable_names, effects or families, got '
+        f'{", ".join(truth) or "nothing"}; add one of them')
+
+
+def with_relatives(names: set[str]) -> set[str]:
+    """
+    Add to acceptable names those of their families.
+
+    Real friction rests, slides and hystereses at once: pre-sliding and Bouc-Wen laws, and friction
+    of the robot or of the contact, count as one kind here.
+    """
+    telling = names - _ALONE
+    families = {EFFECTS[name].family for name in telling if name in EFFECTS}.difference(_MIXED)
+    found = names | (of_families(list(families)) - set(NEUTRAL))
+    return found.union(*(alike for alike in _ALIKE if alike & telling))
+
+
+def class_of(truth: Mapping[str, Any], report: Mapping[str, Any] | None) -> str:
+    """Return the class of a report."""
+    asked = acceptable_names(truth)
+    names = scored_names((report or {}).get('effects', []), with_relatives(asked),
+                         set(NEUTRAL) - asked)
+    outcome = outcome_of(report is not None, names)
+    if outcome == RIGHT:
+        return 'right alone' if all(name.right for name in names) else 'right with surplus'
+    if outcome == SILENT:
+        return 'silent' if asked else 'rightly silent'
+    return 'failed' if report is None else 'wrong first'
+
+
+_COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', 'class',
+            'held-out force error / std of the force', 'CPU [s]')
+
+
+class Row(NamedTuple):
+    """One diagnosed record."""
+
+    # name, source: of the record; '' without a known source
+    name: str
+    source: str
+    verdict: str  # '' after a failure
+    effects: Sequence[Mapping[str, Any]]  # as in the report
+    outcome: str  # one of CLASSES; '' where no truth is known
+    # recalibrated, corrected: held-out force errors, relative to the standard deviation of the
+    # force
+    recalibrated: float | None
+    corrected: float | None
+    error: str  # message of a failed diagnosis
+    cpu_s: float  # processor time of the diagnosis [s]
+
+
+def as_markdown(rows: Sequence[Row]) -> str:
+    """Format the table and its totals."""
+    lines = [_line(_COLUMNS), '|' + '---|' * len(_COLUMNS), *(_line(_cells(row)) for row in rows)]
+    return '\n'.join([*lines, '', *_totals(rows)])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return '| ' + ' | '.join(' '.join(cell.split()).replace('|', '\\|') for cell in cells) + ' |'
+
+
+def _cells(row: Row) -> list[str]:
+    return [row.name, row.source, row.verdict.replace('_', ' ') or '-', _names(row),
+            row.outcome or '-', _errors(row), f'{row.cpu_s:.0f}']
+
+
+def _names(row: Row) -> str:
+    if row.error:
+        return row.error
+    return '; '.join(_name(effect) for effect in row.effects) or 'none'
+
+
+def _name(effect: Mapping[str, Any]) -> str:
+    share, ends = 100.0 * effect['share'], effect['share_interval']
+    digits = 0 if share >= 10.0 else 1
+    interval = '' if None in ends else (
+        f' ({100.0 * ends[0]:.{digits}f} to {100.0 * ends[1]:.{digits}f} %)')
+    of_rest = effect.get('share_beside_zeros')
+    beside = '' if of_rest is None else f', {100.0 * of_rest:.0f} % of what the zeros leave'
+    return f'`{effect["name"]}` {share:.{digits}f} %{interval}{beside}'
+
+
+def _errors(row: Row) -> str:
+    if row.recalibrated is None or row.corrected is None:
+        return '-'
+    return f'{100.0 * row.recalibrated:.3g} → {100.0 * row.corrected:.3g} %'
+
+
+def _totals(rows: Sequence[Row]) -> list[str]:
+    """Count the classes, and sum up the processor time."""
+    scored = [row.outcome for row in rows if row.outcome]
+    counts = [f'{name} {scored.count(name)} ({100.0 * scored.count(name) / len(scored):.0f} %)'
+              for name in CLASSES if name in scored]
+    text = f'{len(rows)} records, {len(scored)} with a known truth'
+    return [f'{text}: {", ".join(counts)}.' if counts else f'{text}.',
+            f'Processor time: {sum(row.cpu_s for row in rows):.0f} s.']
+
+
+_TRAIN, _PARTNER = 'train', 'pulses'
+
+
+class Record(NamedTuple):
+    """The files of a record."""
+
+    name: str  # of its recording, without suffix
+    # recording, nominal: what `diagnose` gets
+    recording: Path
+    nominal: Path
+    holdout: Path | None  # the recording to test on; None for a part of the recording itself
+    truth: Mapping[str, Any] | None  # content of the truth file
+
+
+class _Outcome(NamedTuple):
+    """The report (None after a failure), the error message and the processor time [s]."""
+
+    report: Mapping[str, Any] | None
+    error: str
+    cpu_s: float
+
+
+def make_parser() -> Parser:
+    """Build the command line of the benchmark."""
+    parser = Parser(
+        prog='studies records',
+        description='Diagnose every NAME.mcap of a folder with NAME.nominal.yaml, and print '
+        'names, held-out errors and processor time as a Markdown table. NAME.truth.json, where it '
+        'exists, says which names are right (acceptable_names, effects or families); a name '
+        'counts by its family. A NAME with "train" is tested on the recording with "pulses" in '
+        'its place, if there is one, other records on a part of their own.',
+    )
+    parser.add_argument('folder', metavar='FOLDER', help='folder of the records')
+    parser.add_argument('--output', metavar='FILE.md', help='write the table')
+    parser.add_argument('--jobs', type=int, default=1, help='number of parallel diagnoses (1)')
+    return parser
+
+
+def run(options: Any) -> int:
+    """Diagnose the records and print the table."""
+    require_at_least(options, jobs=1)
+    check_outputs([options.output], {})
+    text = as_markdown(diagnose_records(find_records(Path(options.folder)), options.jobs))
+    print(text)
+    write_results(options, {'output': lambda: text + '\n'})
+    return 0
+
+
+def find_records(folder: Path) -> list[Record]:
+    """Find the records of a folder."""
+    found = []
+    for recording in sorted(folder.glob('*.mcap')):
+        nominal = recording.with_suffix('.nominal.yaml')
+        if nominal.exists():
+            truth = recording.with_suffix('.truth.json')
+            found.append(Record(recording.stem, recording, nominal, _partner(recording),
+                                _read_truth(truth) if truth.exists() else None))
+    partners = {record.holdout for record in found}
+    found = [record for record in found if record.recording not in partners]
+    if not found:
+        raise RecordingError(
+            f'{folder} must hold records, NAME.mcap with NAME.nominal.yaml, got none; name the '
+            'folder that holds the files')
+    return found
+
+
+def _partner(recording: Path) -> Path | None:
+    partner = recording.with_name(recording.name.replace(_TRAIN, _PARTNER))
+    return partner if partner != recording and partner.exists() else None
+
+
+def _read_truth(path: Path) -> Mapping[str, Any]:
+    try:
+        truth = json.loads(path.read_text())
+    except ValueError as error:
+        raise RecordingError(f'{path} must be JSON, got: {error}; correct the file') from error
+    if not isinstance(truth, dict):
+        raise RecordingError(f'{path} must be a JSON object, got {type(truth).__name__}; '
+                             'write {"acceptable_names": [...]}')
+    class_of(truth, None)  # refused before the first diagnosis, not after the last
+    return truth
+
+
+def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
+    """Diagnose records in parallel processes."""
+    progress = Progress('records')
+    with ThreadPoolExecutor(jobs) as pool:  # each thread only waits for its process
+        pending = {pool.submit(_row, record): record.name for record in records}
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                future.result()
+                progress.show(done / len(records), pending[future])
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    progress.done()
+    return [future.result() for future in pending]
+
+
+def _row(record: Record) -> Row:
+    with TemporaryDirectory() as folder:
+        outcome = _diagnose(record, Path(folder))
+    truth = record.truth or {}
+    report = outcome.report or {}
+    force = report.get('fit', {}).get('force_rmse_n', {})
+    std = 1.0 if outcome.report is None else _force_std(record.holdout or record.recording)
+    relative = [None if force.get(name) is None else force[name] / std
+                for name in ('recalibrated', 'corrected')]
+    return Row(
+        name=record.name, source=str(truth.get('source') or truth.get('source_repo') or ''),
+        verdict=str(report.get('verdict', '')), effects=report.get('effects', []),
+        outcome=class_of(truth, outcome.report) if record.truth is not None else '',
+        recalibrated=relative[0], corrected=relative[1], error=outcome.error,
+        cpu_s=outcome.cpu_s)
+
+
+def _force_std(path: Path) -> float:
+    return float(np.nanstd(read_recording(path).signals.force))
+
+
+def _diagnose(record: Record, folder: Path) -> _Outcome:
+    """Diagnose in a process of its own, which is not given the truth."""
+    output = folder / 'report.json'
+    arguments = diagnose_command(record.recording, record.nominal, output)
+    if record.holdout is not None:
+        arguments += ['--holdout', str(record.holdout)]
+    cost = run_timed(arguments)
+    report = None if cost.error else json.loads(output.read_text())
+    return _Outcome(report, cost.error, cost.cpu_s)
+
+
+main = command(make_parser, run)

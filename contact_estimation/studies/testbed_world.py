@@ -1,0 +1,204 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Arm and wall of the testbed, integrated at 2 kHz, and its sensors."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from math import exp, nan
+from typing import NamedTuple
+
+from .testbed_arm import ImpedanceController, PlanarArm, Tip
+from .testbed_constants import FlexibleWallConstants, TestbedConstants, Triple
+from ..estimators.offline_estimator import TargetImpedance
+from ..parameters import build
+from ..plant.plant_parameters import PlantParameters
+from ..plant.sensors import Sensors
+from ..plant.world import Truth
+from ..reference.setpoints import Reference
+from ..signals.filters import ButterworthBank
+
+
+class WallState(NamedTuple):
+    """Deflection [m] and friction as a fraction of its limit, -1 to 1."""
+
+    deflection: float
+    friction: float
+
+
+def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
+    """Compute F_c + (F_s - F_c) exp(-(v / v_s)^2) of the bearings [N], the Stribeck curve."""
+    more = wall.static_friction - wall.sliding_friction
+    return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
+
+
+def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
+    """Compute w' of the untouched wall [m/s] from 0 = K_e w + B_e w' + F_c z."""
+    friction = wall.sliding_friction * state.friction
+    return -(wall.stiffness * state.deflection + friction) / wall.damping
+
+
+def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
+    """
+    Compute the state after a change of the deflection.
+
+    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    friction depends on the travelled distance only and approaches its limit over s.
+
+    step: change of the deflection [m]
+    """
+    if step == 0.0:
+        return state
+    end = 1.0 if step > 0.0 else -1.0
+    left = exp(-abs(step) / wall.presliding)
+    return WallState(state.deflection + step, end + (state.friction - end) * left)
+
+
+def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
+    """Compute K_e w + B_e w' + F(w') z of a tool at a rate [m/s]; < 0: it retreats faster [N]."""
+    friction = friction_limit(rate, wall) * state.friction
+    return wall.stiffness * state.deflection + wall.damping * rate + friction
+
+
+_CLOSED = 1e-12  # gap between tool and wall that counts as contact [m]
+
+
+class TestbedWorld:
+    """
+    True state of the testbed.
+
+    The deflection of the wall is a state: in contact, tool and wall move together; when the tool
+    retreats faster than spring and damper push, the wall follows alone and comes to rest where
+    the friction of its bearings balances the spring.
+
+    position: tip position at t = 0, relative to the wall's surface [m]
+    """
+
+    __test__ = False  # not a test, despite its name
+
+    def __init__(
+        self, constants: TestbedConstants, target: TargetImpedance, position: float
+    ) -> None:
+        self._p = constants
+        self._arm = PlanarArm(constants.arm)
+        self._controller = ImpedanceController(constants, target)
+        arm = constants.arm
+        self._angles = self._arm.angles_at(arm.surface_x + position, arm.tip_y, arm.tip_angle)
+        self._rates: Triple = (0.0, 0.0, 0.0)
+        self._torques: Triple = (0.0, 0.0, 0.0)
+        self._wall = WallState(max(0.0, position), 0.0)
+        self.t = 0.0
+
+    def tip(self) -> Tip:
+        """Return the tip pose from the joint encoders, x relative to the wall's surface."""
+        tip = self._arm.tip(self._angles, self._rates)
+        return tip._replace(x=tip.x - self._p.arm.surface_x)
+
+    def truth(self) -> Truth:
+        """Return the current state of the wall."""
+        force = self._force(self._angles, self._rates, self._wall)
+        touching = force > 0.0
+        rate = self.tip().x_dot if touching else free_rate(self._wall, self._p.wall)
+        acceleration = self._tip_acceleration(force) if touching else 0.0
+        return Truth(self.t, self._wall.deflection, rate, acceleration, -force, -force)
+
+    def advance(self, duration: float, reference: Reference, force: float) -> None:
+        """Compute the torques once from F_e [N], and integrate over a sample period [s]."""
+        self._torques = self._controller.torques(self._angles, self._rates, force, reference)
+        steps = self._p.steps_per_sample
+        for _ in range(steps):
+            self._step(duration / steps)
+        self.t += duration
+
+    def _force(self, angles: Triple, rates: Triple, wall: WallState) -> float:
+        """Compute the pressing force, 0 out of contact."""
+        if self._arm.tip_x(angles) - self._p.arm.surface_x < wall.deflection - _CLOSED:
+            return 0.0
+        x1, x2, x3 = self._arm.jacobian(angles)[0]
+        rate = x1 * rates[0] + x2 * rates[1] + x3 * rates[2]
+        return max(0.0, pressing_force(wall, rate, self._p.wall))
+
+    def _tip_acceleration(self, force: float) -> float:
+        w1, w2, w3 = self._rates
+        b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
+        (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
+        return (x1 * b1 + x2 * b2 + x3 * b3 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
+
+    def _step(self, h: float) -> None:
+        """Integrate one step by the midpoint rule."""
+        (a1, a2, a3), (w1, w2, w3), arm = self._angles, self._rates, self._arm
+        force, before = self._force(self._angles, self._rates, self._wall), self._wall
+        b1, b2, b3 = arm.accelerations(self._angles, self._rates, self._torques, -force)
+        half = 0.5 * h
+        angles = a1 + half * w1, a2 + half * w2, a3 + half * w3
+        rates = w1 + half * b1, w2 + half * b2, w3 + half * b3
+        middle = self._follow(before, angles, half)
+        force = self._force(angles, rates, middle)
+        b1, b2, b3 = arm.accelerations(angles, rates, self._torques, -force)
+        self._angles = a1 + h * rates[0], a2 + h * rates[1], a3 + h * rates[2]
+        self._rates = w1 + h * b1, w2 + h * b2, w3 + h * b3
+        self._wall = self._follow(before, self._angles, h)
+
+    def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
+        """Move the wall by itself, or by the tool where that is further."""
+        tool = self._arm.tip_x(angles) - self._p.arm.surface_x
+        alone = wall.deflection + h * free_rate(wall, self._p.wall)
+        return moved(wall, max(alone, tool) - wall.deflection, self._p.wall)
+
+
+class Acquisition(ABC):
+    """Processing of sensor samples before estimation."""
+
+    @abstractmethod
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        """
+        Process one sample.
+
+        force: F_e from the force sensor [N]
+        position: deflection of the wall from the potentiometer [m]
+        Returns force, position, velocity: input of the estimator [N], [m], [m/s]; NaN without a
+        velocity
+        """
+
+
+class RawAcquisition(Acquisition):
+    """Raw samples, for estimators that filter and differentiate themselves."""
+
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        return force, position, nan
+
+
+class PaperAcquisition(Acquisition):
+    """
+    The paper's processing, section 5.1.
+
+    All signals are Butterworth-filtered; the velocity is the filtered finite difference of the
+    deflection; the static friction is subtracted from the force, whichever way the wall moves.
+    """
+
+    def __init__(self, constants: TestbedConstants) -> None:
+        self._rate, self._friction = constants.sample_rate, constants.wall.static_friction
+        self._filter = ButterworthBank(3, constants.sensing.filter_cutoff, self._rate)
+        self._last = nan
+
+    def process(self, force: float, position: float) -> tuple[float, float, float]:
+        last = self._last if self._last == self._last else position
+        self._last = position
+        row = force, position, (position - last) * self._rate
+        force, position, velocity = self._filter.take(row)
+        return min(0.0, force + self._friction), position, velocity
+
+
+def make_sensors(constants: TestbedConstants, seed: int) -> Sensors:
+    """Build force sensor and potentiometer."""
+    sensing = constants.sensing
+    return Sensors(build(PlantParameters, {
+        'sensors.force_noise': sensing.force_noise,
+        'sensors.position_noise': sensing.potentiometer_noise,
+        'sensors.position_quantisation': sensing.potentiometer_step,
+        'sensors.publish_velocity': False,
+        'sensors.distribution': 'uniform',
+        'sample_rate': constants.sample_rate,
+        'seed': seed,
+    }))
