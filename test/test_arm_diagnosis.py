@@ -15,6 +15,7 @@ from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
+from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
 from contact_estimation.diagnosis.arm.inertia import (
@@ -23,8 +24,11 @@ from contact_estimation.diagnosis.arm.page import as_html
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
-from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside
 from contact_estimation.kinematics.description import joint_friction
+from contact_estimation.parameters import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw
 from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
@@ -90,6 +94,41 @@ def test_a_sensor_that_feels_nothing_changes_nothing() -> None:
     assert {one.family for one in found.effects} == {'friction'} and found.apparent_mass is None
     assert found.joints[0].friction == pytest.approx(diagnosed('nothing').joints[0].friction,
                                                      rel=0.05)
+
+
+def test_the_tip_lags_by_what_its_joints_yield() -> None:
+    one, arm, n = arm_recording(pressed=pressing()), ArmDynamics(URDF), np.array([0.6, 0.0, -0.8])
+    assert one.wrench is not None
+    parameters = build(EstimationParameters, {
+        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': [3.0, 0.0, -4.0]})
+    states = replace(one, wrench=replace(one.wrench, parameters=parameters))
+    lag = tip_lag(states, arm, {'joint_2': 1e-5})
+    for k in (100, 1300, 2300):
+        still = np.zeros((1, 3))
+        load = (arm.torque(one.q[k:k + 1], still, still) - arm.torque_from(
+            one.q[k:k + 1], Outside(TIP, one.wrench.measured[k:k + 1])))[0, 1]
+        behind = one.q[k] - [0.0, 1e-5 * load, 0.0]
+        moved = arm.pose(one.q[k], TIP)[1] - arm.pose(behind, TIP)[1]
+        assert lag[k] == pytest.approx(float(n @ moved), rel=1e-3)
+
+
+def test_blocks_that_are_left_out_are_another_motion() -> None:
+    short = arm_recording()
+    rows = short.t < 8.0
+    cut = replace(short, t=short.t[rows], q=short.q[rows], v=short.v[rows], tau=short.tau[rows])
+    for one in (short, cut):
+        channels = Channels([one], ArmDynamics(URDF))
+        period = channels.samples_per_period / (4.0 * channels.cut_off)
+        times = Gram(channels).times
+        assert len(times) <= 16
+        assert min(last - first for _, first, last in times) > 0.7 * period or len(times) <= 5
+
+
+def test_laws_that_lack_together_are_named_together() -> None:
+    concealed = [ArmLaw('joint_spring', [30.0], 1), ArmLaw('reflected_inertia', [1.5], 1)]
+    found = diagnose_arm(arm_recording(concealed), URDF)
+    beyond = {(one.name, one.term.place) for one in found.effects if one.family != 'friction'}
+    assert beyond == {('joint_spring', 1), ('reflected_inertia', 1)}
 
 
 def test_a_wrench_of_an_unknown_link_is_told_and_not_used() -> None:

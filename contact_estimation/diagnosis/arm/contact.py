@@ -58,7 +58,8 @@ def diagnose_contact(
             return one
         assert arm is not None and arm.channels is not None
         states, s = read_arm_recording(path, topics, chosen), one.signals
-        lag = np.interp(s.joint_t - s.joint_t[0], states.t, _lag(states, arm.channels.arm, soft))
+        lag = tip_lag(states, arm.channels.arm, soft)
+        lag = np.interp(s.joint_t - s.joint_t[0], states.t, lag)
         return replace(one, signals=s._replace(position=s.position - lag))
 
     fitted, tested = ([read(path) for path in some] for some in (paths, held_out))
@@ -69,14 +70,22 @@ def diagnose_contact(
         for one in found.effects])
 
 
-def _lag(states: ArmRecording, arm: ArmDynamics, soft: Mapping[str, float]) -> Array:
-    """Return how far the tip is behind its motors along the normal, which it yields to, (N,)."""
+def tip_lag(states: ArmRecording, arm: ArmDynamics, soft: Mapping[str, float]) -> Array:
+    """
+    Return how far the tip is behind its motors along the normal: n . J_v (c load).
+
+    states: recording of N samples with a wrench
+    arm: its description
+    soft: compliance c by joint [rad/(N m)]
+    Returns lag (N,): [m]
+    """
     assert states.wrench is not None
     chosen, q = states.wrench.parameters, states.of_joints(arm.joints).q
     tip, still = chosen.kinematics.tip, np.zeros_like(q)
     load = arm.torque(q, still, still) - arm.torque_from(q, states.wrench.outside(arm, q))
     frame = tip if chosen.contact.normal_frame == 'tip' else chosen.kinematics.base
-    normal = arm.axes(q, frame) @ np.asarray(chosen.contact.normal)
+    normal = arm.axes(q, frame) @ np.divide(
+        chosen.contact.normal, np.linalg.norm(chosen.contact.normal))
     bent = load * [soft.get(name, 0.0) for name in arm.joints]
     return np.asarray(np.einsum('ni,nij,njk,nk->n', normal, arm.axes(q, tip),
                                 arm.jacobian(q, tip)[:, :3], bent))
