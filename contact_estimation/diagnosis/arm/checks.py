@@ -167,14 +167,25 @@ class Misreading(NamedTuple):
 
 def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
     """Return what may be wrong with a recording that leaves the errors `right`."""
-    names, joints = [reading.arm.joints[j] for j in reading.joints], reading.joints
+    for tried in (_flipped, _disordered, _exchanged, _mirrored, _lacking, _units):
+        yield from tried(reading, right)
+
+
+def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return torques that count in the other direction."""
     flipped = reading.errors(sign=-1.0)
     wrong = (right - flipped > 2.0 * _FOLD) & (flipped < np.log(_WELL))
-    if wrong.any():
+    names = ', '.join(reading.arm.joints[j] for j, one in zip(reading.joints, wrong) if one)
+    if names:
         yield Misreading('torque_sign', (
-            f'the torques of {_of(names, wrong)} have the opposite sign: they brake where the arm '
-            'must push; publish the torque that the drive applies to the joint'),
+            f'the torques of {names} have the opposite sign: they brake where the arm must push; '
+            'publish the torque that the drive applies to the joint'),
             np.where(wrong, flipped, right), 0.0)
+
+
+def _disordered(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return efforts in another order than the names."""
+    joints, names = reading.joints, [reading.arm.joints[j] for j in reading.joints]
     table = np.array([[reading.fit(reading.tau[:, i], k, reading.load[:, k])[0] for k in joints]
                       for i in joints])
     chosen = linear_sum_assignment(table)[1]
@@ -185,15 +196,23 @@ def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
         yield Misreading('joint_order', (
             f'efforts are in another order than names: {pairs}; publish them in the order of '
             '`name`'), table[range(len(joints)), chosen], 0.0)
-    for i, k in combinations(joints, 2):
-        order = np.arange(len(reading.arm.joints))
+
+
+def _exchanged(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return positions, or all states, of two joints that are exchanged."""
+    names = reading.arm.joints
+    for i, k in combinations(reading.joints, 2):
+        order = np.arange(len(names))
         order[[i, k]] = k, i
         for both in (True, False):
             yield Misreading('joint_order', (
-                f'{"the states" if both else "the positions"} of {reading.arm.joints[i]} and '
-                f'{reading.arm.joints[k]} are exchanged: with them in the other order the torques '
-                'fit; correct the order of `name`'),
-                reading.otherwise(lambda x: x[:, order], both).errors())
+                f'{"the states" if both else "the positions"} of {names[i]} and {names[k]} are '
+                'exchanged: with them in the other order the torques fit; correct the order of '
+                '`name`'), reading.otherwise(lambda x: x[:, order], both).errors())
+
+
+def _mirrored(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return positions of a joint that count in the other direction, or its torques as well."""
     for j, name in enumerate(reading.arm.joints):
         sign = np.where(np.arange(len(reading.arm.joints)) == j, -1.0, 1.0)
         for both in (True, False):
@@ -202,6 +221,10 @@ def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
                 f'{", and so does its torque" if both else ""}: turn the sign of the encoder'
                 f'{" and of the torque" if both else ""}, or the axis of the joint'),
                 reading.otherwise(lambda x: x * sign, both).errors())
+
+
+def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return torques that lack those of gravity, or all of the arm."""
     still = np.zeros_like(reading.q)
     yield Misreading('torque_gravity', (
         'the torques lack those of gravity: the controller compensates it and publishes what it '
@@ -210,9 +233,8 @@ def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
     yield Misreading('torque_external', (
         'the torques show none of the weight and inertia of the arm: an estimate of external '
         'torques, what a controller adds, or another unit, such as currents or torques of the '
-        'motors; record the torque of each joint in N m'),
-        reading.errors(-reading.felt(reading.q)))
-    yield from _units(reading, right)
+        'motors; record the torque of each joint in N m'), reading.errors(
+            -reading.felt(reading.q)))
 
 
 def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
@@ -233,10 +255,6 @@ def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
             'torques are not those of the joints in N m; measured over modelled: '
             f'{", ".join(texts)}; multiply currents by motor constant and gear ratio, N mm by '
             '0.001'), errors, 0.0)
-
-
-def _of(names: Sequence[str], some: Any) -> str:
-    return ', '.join(name for name, one in zip(names, some) if one)
 
 
 _READ = {
