@@ -164,8 +164,7 @@ class Channels:
         self.terms = like.terms if like else self._terms(len(recordings))
         self.pieces = [self._piece(stretch, motion) for stretch, motion in zip(raw, motions)]
 
-    samples_per_period = _PER_PERIOD * _HARMONICS  # of the motion's band
-    samples_per_error = samples_per_period / _ERRORS  # that is independent of others
+    samples_per_error = _PER_PERIOD * _HARMONICS / _ERRORS  # three in a period of the motion
 
     def _motion(self, stretch: _Stretch) -> JointMotion:
         period = float(stretch.t[1] - stretch.t[0])

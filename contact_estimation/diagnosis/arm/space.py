@@ -252,9 +252,10 @@ class ArmModels:
                 likely = sorted((other for other in others if scores[other] > best - _NEAR),
                                 key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
-        for term in sorted(model & frozenset(self._shared)):
+        for term in sorted(model & self._shared_laws):
+            instead = [*self._shared, *self._local.get(term.place, ())]
             near += [model - {term} | {other}
-                     for other in self._can_add(model - {term}, self._shared) if other != term]
+                     for other in self._can_add(model - {term}, instead) if other != term]
         return self._known(near)
 
     def to_the_end(self, one: Scored) -> Scored | None:
