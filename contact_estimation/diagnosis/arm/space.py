@@ -54,8 +54,9 @@ class ArmModels:
         constants: Constants = ARM,
     ) -> None:
         self.gram, self._progress, self._c = gram, progress, constants
-        every = [term for term in gram.channels.terms if term.effect != 'force_bias']
-        self.zeros = frozenset(gram.channels.terms) - frozenset(every)
+        self.zeros = frozenset(one for one in gram.channels.terms if one.effect == 'force_bias')
+        every = [term for term in gram.channels.terms
+                 if term not in self.zeros and not _is_rotor(gram, term)]
         self._shared = [term for term in every if term in gram.shared]
         self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
@@ -311,6 +312,13 @@ class _JointJudge:
         return float(likelihood.sum()) - sum(
             c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
             for term, width in zip(terms, widths) if term not in self._space.zeros)
+
+
+def _is_rotor(gram: Gram, term: Term) -> bool:
+    """Return whether all that shows of a link is an inertia about its own joint."""
+    shown = [np.einsum('bpp->p', gram.G[k])[at[term]] > 0.0
+             for k, at in enumerate(gram.at) if term in at]
+    return term.effect == 'link_inertia' and int(np.count_nonzero(shown)) <= 1
 
 
 def label(term: Term) -> str:
