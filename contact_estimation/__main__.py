@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """`python -m contact_estimation`: the demonstration, see `commands/demonstrate.py`."""
 
 from .commands.entry_points import demonstrate

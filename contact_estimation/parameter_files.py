@@ -16,7 +16,6 @@ from .exceptions import ModelFileError, UnknownNameError
 from .parameters import flatten_mapping, ParameterGroup, ParameterSpecification, specification
 from .texts import yaml_file
 
-
 _WIDTH = 99
 _INDENT = '  '
 

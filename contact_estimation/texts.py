@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Texts that others wrote: read within stated limits, and escaped where they are printed."""
 
 from __future__ import annotations
@@ -12,8 +11,7 @@ from typing import Any
 
 import yaml
 
-LFS_POINTER = 'version https://git-lfs'
-"""Begin of a file that stands for one that Git LFS has not fetched."""
+_LFS_POINTER = b'version https://git-lfs'  # begins what stands for a file not yet fetched
 MOST_BYTES = 1 << 20
 """Longest YAML file; parameter files hold some 20 kB."""
 MOST_LEVELS = 50
@@ -35,20 +33,36 @@ def printable(text: str) -> str:
     return text
 
 
+def require_content(path: Path) -> None:
+    """Require a regular file that is no pointer to another."""
+    if not path.is_file() and path.exists():
+        raise ValueError(
+            'expected a regular file, got a folder, pipe or device; save it to a file first')
+    with open(path, 'rb') as stream:
+        if stream.read(len(_LFS_POINTER)) == _LFS_POINTER:
+            raise ValueError('it is a Git LFS pointer; get the file with: git lfs pull')
+
+
+def text_file(path: Path, most: int = 1 << 26) -> str:
+    """Read a text of at most so many bytes."""
+    require_content(path)
+    with open(path, 'rb') as stream:
+        data = stream.read(most + 1)
+    if len(data) > most:
+        raise ValueError(f'expected at most {most} bytes, got more')
+    try:
+        return data.decode('utf-8-sig')
+    except UnicodeDecodeError as error:
+        raise ValueError(f'expected text in UTF-8, got other data: {error.reason}') from error
+
+
 def yaml_file(path: Path) -> Any:
     """Read a YAML file of plain data."""
-    if not path.is_file() and path.exists():
-        raise ValueError('expected a regular file, got a folder, pipe or device')
-    with open(path, 'rb') as stream:
-        data = stream.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
-        raise ValueError(f'expected at most {MOST_BYTES} bytes, got more')
-    if data.startswith(LFS_POINTER.encode()):
-        raise ValueError('it is a Git LFS pointer; get the file with: git lfs pull')
     try:
-        return yaml.load(data.decode(), _BoundedLoader)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(' '.join(str(error).split())) from error
+        return yaml.load(text_file(path, MOST_BYTES), _BoundedLoader)
+    except yaml.YAMLError as error:
+        text = str(error).replace('in "<unicode string>", ', 'in ')
+        raise ValueError(' '.join(text.split())) from error
 
 
 def json_content(text: str) -> Any:

@@ -47,23 +47,18 @@ def truth(effect: str = '', port: str = 'contact', **changes: Any) -> dict[str, 
     return {
         'effects': effects, 'verdict': 'physics_missing' if effect else 'recalibrate',
         'stiffness': 4000.0, 'damping': 100.0, 'concealed': 2.0, 'force_floor_n': 0.4,
-        'experiment': 'rich', **changes, 'sensing': {
-            'rate': 500.0, 'velocity_noise': None, 'dropped': 0.0, 'low_pass': 0.0,
-            'jitter': 0.0, 'joint_phase': 0.0, 'distribution': 'normal'},
-    }
+        'experiment': 'rich', **changes}
 
 
 def answer(*names: str, rivals: tuple[str, ...] = (), **changes: Any) -> dict[str, Any]:
     """Return the content of a report file."""
     parameters = changes.pop('parameters', {})
-    effects = [{'name': name, 'indistinguishable_from': [],
+    effects = [{'name': name, 'probability': 0.95, 'indistinguishable_from': [],
                 'parameters': {key: {'value': value} for key, value in parameters.items()}}
                for name in names]
     if effects:
         effects[0]['indistinguishable_from'] = list(rivals)
     report = {
         'verdict': 'physics_missing' if names else 'recalibrate', 'effects': effects,
-        'corrected': {'stiffness': {'value': 4020.0}, 'damping': {'value': 98.0}},
-        'fit': {'noise_floor_n': 0.42, 'force_rmse_n': {'corrected': 0.44}}, **changes,
-    }
+        'corrected': {'stiffness': {'value': 4020.0}, 'damping': {'value': 98.0}}, **changes}
     return {'report': report, 'error': '', 'seconds': 1.0}

@@ -10,12 +10,12 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+from concealed_worlds import record
 from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.parameters import build
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.plant.simulation import run_open_loop
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import (
     JointStateEncoder, TrajectoryEncoder, WrenchEncoder)
@@ -59,17 +59,9 @@ def recorded(experiment: Experiment = TWO_TOUCHES, seed: int = 1, **changes: Any
 
 @lru_cache(maxsize=None)
 def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Signals:
-    plant = world(sensors__force_noise=0.3, sensors__position_noise=3e-6, sample_rate=RATE_HZ,
-                  integration_rate=INTEGRATION_HZ, seed=seed, **dict(changes))
-
-    def reference(t: float) -> tuple[float, float, float, float]:
-        return (*experiment.desired(t)[:3], 0.0)
-
-    start = experiment.desired(0.0).position
-    truths, samples = run_open_loop(plant, reference, start, experiment.duration)
-    t = np.array([truth.t for truth in truths])
-    x_r = np.array([reference(now) for now in t.tolist()]).T
-    return Signals(t, samples.force, t, samples.position, t, x_r)
+    return record(world(
+        sensors__force_noise=0.3, sensors__position_noise=3e-6, sample_rate=RATE_HZ,
+        integration_rate=INTEGRATION_HZ, seed=seed, **dict(changes)), experiment)
 
 
 @lru_cache(maxsize=None)

@@ -41,45 +41,13 @@ class Event(NamedTuple):
     topics: str = BOTH
 
 
-def drawn(random: np.random.Generator, count: int, share: float = 0.15) -> list[Event]:
-    """Draw the events of so many instants; the rest are plain."""
-    kinds = ['stamp', 'shift', 'shift', 'clock', 'drop', 'withhold', 'twice', 'reset', 'tare',
-             'set_location', 'change', 'change', 'desired']
-    return [event_of(random, str(random.choice(kinds))) if random.random() < share
-            else Event('plain') for _ in range(count)]
-
-
-def event_of(random: np.random.Generator, kind: str) -> Event:
-    """Draw the value and the topics of an event."""
-    topics = TOPICS[int(random.integers(3))]
-    far = float(random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-3.0, 4.0))
-    if kind == 'change':
-        name = str(random.choice(list(CHANGES)))
-        return Event(kind, (name, CHANGES[name][int(random.integers(len(CHANGES[name])))]))
-    values: dict[str, Any] = {
-        'stamp': int(random.choice([0, 0, -1, -2**31 * 10**9, 2**63])), 'shift': far,
-        'clock': far, 'withhold': int(random.integers(2, 40)),
-        'desired': Desired(float(random.choice([-0.05, 0.0, 0.02, 0.3, nan])), 0.1, 0.0,
-                           float(random.choice([nan, 20.0, 100.0]))),
-    }
-    return Event(kind, values.get(kind), topics)
-
-
 class HostileLoop:
-    """
-    A robot that is where x_r wants it, and a wall of K_E and B_E at 0.
-
-    Attributes
-    ----------
-    violations : list of str
-        What broke the limits of rate and reach, over the true time of the robot.
-
-    """
+    """A robot that is where x_r wants it, and a wall of K_E and B_E at 0."""
 
     def __init__(self, seed: int = 0) -> None:
         self.session = ContactSession(build(EstimationParameters, {
             'reference.maximum_depth': 0.02, 'force_reference': 30.0}))
-        self.violations: list[str] = []
+        self.violations: list[str] = []  # of rate and reach, over the true time of the robot
         self._random = np.random.default_rng(seed)
         self._k, self._clock_ns = 0, 1_795_300_000 * 10**9
         self._x_r: Reference = Reference(-0.002, 0.0, 0.0)

@@ -26,7 +26,6 @@ class SoftSpell(ContactEffect):
     last: float = optional_parameter('', '1')
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Return the missing spring force; see `ContactEffect.resistance`."""
         return -self.softer * d if self.first < t < self.last else 0.0
 
 
@@ -39,11 +38,10 @@ class WarmingWall(ContactEffect):
     states = 1  # warmth, as distance travelled in contact [m]
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Return the missing spring force; see `ContactEffect.resistance`."""
         return -self.softening * state[0] * d
 
     def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
-        """Return the rate of warmth: heating by motion in contact, exponential cooling."""
+        """Heat by motion in contact, and cool exponentially."""
         return ((abs(v) if contact else 0.0) - state[0] / self.tau,)
 
 
@@ -55,7 +53,6 @@ class Ripple(ContactEffect):
     wavelength: float = optional_parameter('', '1')
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Return the periodic force; see `ContactEffect.resistance`."""
         return self.amplitude * sin(2.0 * pi * d / self.wavelength)
 
 
@@ -67,7 +64,6 @@ class Hum(ForceSensorEffect):
     frequency: float = optional_parameter('', '1')
 
     def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
-        """Return the disturbed force; see `ForceSensorEffect.sense`."""
         return force + self.amplitude * m.sin(2.0 * pi * self.frequency * t)
 
 
@@ -78,7 +74,6 @@ class DeadBand(RobotEffect):
     width: float = optional_parameter('', '1')
 
     def control(self, u: Any, m: Any) -> Any:
-        """Return what exceeds the band; see `RobotEffect.control`."""
         width = self.width
         return u - 0.5 * (abs(u + width) - abs(u - width))
 

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Messages as rosbags serialises them, the reference for this package's own CDR layouts."""
 
 from typing import Any, Mapping, Sequence

@@ -29,16 +29,7 @@ _NUMBERS = count()
 
 
 class Listener:
-    """
-    A ROS node of the test, spun only while it waits for something.
-
-    Attributes
-    ----------
-    heard : dict
-        For each topic listened to, its messages by their stamps [ns] (by number where the type
-        has no header), in the order in which they came.
-
-    """
+    """A ROS node of the test, spun only while it waits for something."""
 
     def __init__(self) -> None:
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
@@ -48,6 +39,7 @@ class Listener:
         self.node = rclpy.create_node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        # Messages of each topic by their stamps [ns], or by number where the type has no header.
         self.heard: dict[str, dict[int, Any]] = {}
         self._clients: dict[str, Any] = {}
 

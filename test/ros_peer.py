@@ -48,28 +48,21 @@ def _set_request(values: Mapping[str, Any]) -> Any:
 
 
 class Peer(Listener):
-    """
-    Sensor, planner and user of one estimator node.
+    """Sensor, planner and user of one estimator node."""
 
-    Parameters
-    ----------
-    node : str
-        Name of the estimator node.
+    name = 'estimator_node'
 
-    """
-
-    def __init__(self, node: str = 'estimator_node') -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self.name = node
         publisher = self.node.create_publisher
         self.wrenches = publisher(WrenchStamped, 'wrench', DEEP_QOS)
         self.joints = publisher(JointState, 'joint_states', DEEP_QOS)
         self.wishes = publisher(JointTrajectory, 'desired_trajectory', DEEP_QOS)
         for name in ESTIMATES:
-            self.listen(name, Vector3Stamped, f'{node}/{name}')
+            self.listen(name, Vector3Stamped, f'{self.name}/{name}')
         self.listen('reference', JointTrajectory, 'reference_trajectory')
-        self.listen('status', String, f'{node}/status')
-        self.listen('wall_law', String, f'{node}/wall_law')
+        self.listen('status', String, f'{self.name}/status')
+        self.listen('wall_law', String, f'{self.name}/wall_law')
         self.listen('diagnostics', DiagnosticArray, '/diagnostics')
         self.begin_ns = 1_000_000_000_000_000
         self._changed: set[str] = set()
@@ -103,22 +96,13 @@ class Peer(Listener):
         # None is under way any more when the test begins.
         self.answered(next(stamps) - PERIOD_NS)
 
-    def start_afresh(self) -> int:
-        """
-        Bring a shared node into the state of a new one, as far as its services can.
-
-        Returns
-        -------
-        begin_ns : int
-            Before all stamps so far, which tells the node that time was set back [ns].
-
-        """
+    def start_afresh(self) -> None:
+        """Bring a shared node into the state of a new one, by services and an earlier clock."""
         self.restore_parameters()
         assert self.trigger('reset').success
         for kept in self.heard.values():
             kept.clear()
         self.begin_ns -= 1_000_000_000_000
-        return self.begin_ns
 
     # -- samples ------------------------------------------------------------------------------
 
@@ -219,13 +203,6 @@ class Peer(Listener):
         if self._changed:
             self.set({name: self._defaults[name] for name in self._changed})
             self._changed.clear()
-
-    def begin_change(self, **values: Any) -> Callable[[], bool]:
-        """Ask for a change of parameters without waiting; tells when it is done."""
-        self._remember(values)
-        request = _set_request(values)
-        future = self.begin_call(SetParameters, f'{self.name}/set_parameters', request)
-        return lambda: bool(future.done() and future.result().results[0].successful)
 
     def change(self, **values: Any) -> None:
         """Set parameters, which must succeed; double underscores stand for dots."""

@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 import ast
+from functools import lru_cache
 from pathlib import Path
-from typing import Iterator
 
 import contact_estimation
 
@@ -26,13 +26,13 @@ def package_of(module: str) -> str:
     return max((p for p in LAYERS if f'{module}.'.startswith(f'{p}.')), key=len)
 
 
-def imported(file: Path) -> Iterator[str]:
-    """Yield the modules of this project that a file imports, below contact_estimation."""
+@lru_cache(maxsize=None)
+def imported(file: Path) -> list[str]:
+    """Return the modules of this project that a file imports, below contact_estimation."""
     parts = file.relative_to(ROOT).parts[:-1]
-    for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            above = parts[:len(parts) - node.level + 1]
-            yield '.'.join([*above, *([node.module] if node.module else [])])
+    return ['.'.join([*parts[:len(parts) - node.level + 1], *filter(None, [node.module])])
+            for node in ast.walk(ast.parse(file.read_text()))
+            if isinstance(node, ast.ImportFrom) and node.level]
 
 
 def test_a_package_imports_only_packages_listed_before_it() -> None:

@@ -1,24 +1,43 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Scores of reports against truths, and the metrics of a study."""
+"""Scores of reports against truths."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from blind_worlds import answer, truth
-from contact_estimation.studies.blind_trials.exact_scoring import metrics, Score, score
+from contact_estimation.studies.blind_trials.scoring import (
+    as_text, RIGHT, Score, score, SILENT, WRONG)
 import pytest
+
+LUGRE: dict[str, Any] = {
+    'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
+    'stage': 'press', 'concealed': 3.0,
+}
 
 
 def scored(truth: dict[str, Any], answer: dict[str, Any]) -> Score:
     return score('trial_1', truth, answer)
 
 
-def metric(scores: list[Score], words: str) -> float | None:
-    (found,) = [t for t in metrics(scores) if words in t.name]
-    return found.value
+@pytest.mark.parametrize('names, rivals, outcome, surplus', [
+    (['coulomb_friction'], (), RIGHT, False),
+    (['presliding_friction', 'stribeck_friction'], (), RIGHT, False),
+    (['bouc_wen_hysteresis'], ('coulomb_friction',), RIGHT, False),
+    (['coulomb_friction', 'force_lag'], (), RIGHT, True),
+    (['force_lag', 'coulomb_friction'], (), WRONG, False),
+    (['force_bias', 'coulomb_friction'], (), RIGHT, False),
+    (['coulomb_friction', 'contact_offset'], (), RIGHT, False),
+    (['force_bias'], (), SILENT, False),
+    ([], (), SILENT, False),
+])
+def test_on_a_rig_the_family_of_the_first_name_decides(
+    names: list[str], rivals: tuple[str, ...], outcome: str, surplus: bool
+) -> None:
+    one = scored(LUGRE, answer(*names, rivals=rivals))
+    assert (one.outcome, one.surplus, one.kind) == (outcome, surplus, 'foreign')
 
 
 def test_true_name_counts_first_or_among_the_alternatives_of_the_first() -> None:
@@ -26,21 +45,20 @@ def test_true_name_counts_first_or_among_the_alternatives_of_the_first() -> None
     right = scored(told, answer('coulomb_friction'))
     rival = scored(told, answer('stribeck_friction', rivals=('coulomb_friction',)))
     second = scored(told, answer('cubic_stiffness', 'coulomb_friction'))
-    assert [s.found for s in (right, rival, second)] == [True, True, False]
-    assert [s.found_alone for s in (right, rival, second)] == [True, False, False]
-    assert [s.extra_names for s in (right, rival, second)] == [False, False, True]
-    assert right.false_alarm is None
+    relative = scored(told, answer('stribeck_friction'))
+    assert [s.outcome for s in (right, rival, second, relative)] == [RIGHT, RIGHT, WRONG, WRONG]
+    assert scored(told, answer('coulomb_friction', 'force_bias')).surplus
 
 
-@pytest.mark.parametrize('said, false_alarm', [
-    (answer(), False), (answer(verdict='consistent'), False), (answer('force_bias'), True),
-    (answer(verdict='unexplained'), True),
+@pytest.mark.parametrize('said, outcome', [
+    (answer(), SILENT), (answer(verdict='consistent'), SILENT), (answer('force_bias'), WRONG),
+    (answer(verdict='unexplained'), WRONG),
 ])
-def test_any_name_or_other_verdict_in_a_clean_world_is_a_false_alarm(
-    said: dict[str, Any], false_alarm: bool
+def test_any_name_or_accusation_in_a_clean_world_is_a_false_alarm(
+    said: dict[str, Any], outcome: str
 ) -> None:
     clean = scored(truth(), said)
-    assert (clean.false_alarm, clean.found, clean.extra_names) == (false_alarm, None, None)
+    assert (clean.kind, clean.outcome, clean.is_miss) == ('clean', outcome, outcome == WRONG)
 
 
 def test_parameter_errors_are_relative_to_the_distance_from_no_effect() -> None:
@@ -49,27 +67,13 @@ def test_parameter_errors_are_relative_to_the_distance_from_no_effect() -> None:
     assert scored(told, said).parameter_errors == pytest.approx({'n': 15.0, 'K_n': 5.0})
 
 
-@pytest.mark.parametrize('told, corrected, right', [
-    (truth(), {'stiffness': {'value': 1.0}, 'damping': {'value': 2.0}}, True),
-    (truth(stiffness=None), {'stiffness': {'value': None}, 'damping': {'value': 2.0}}, True),
-    (truth(stiffness=None), {'stiffness': {'value': 1.0}, 'damping': {'value': 2.0}}, False),
-    (truth(damping=0.0), {'stiffness': {'value': 1.0}, 'damping': {'value': 0.0}}, True),
-    (truth(damping=0.0), {'stiffness': {'value': 1.0}, 'damping': {'value': 2.0}}, False),
-])
-def test_stiffness_and_damping_must_be_given_exactly_where_the_truth_has_them(
-    told: dict[str, Any], corrected: dict[str, Any], right: bool
-) -> None:
-    assert scored(told, answer(corrected=corrected)).base_right is right
-
-
-def test_metrics_cover_the_trials_to_which_they_apply() -> None:
+def test_the_table_counts_each_kind_by_itself() -> None:
     told = truth('force_bias', parameters={'bias': 2.0})
     scores = [
         scored(told, answer('force_bias', parameters={'bias': bias})) for bias in (2.1, 2.2, 3.0)
     ] + [scored(told, answer('force_drift')), scored(truth(), answer())]
-    assert metric(scores, 'first or among') == 75.0
-    assert metric(scores, 'false alarms') == 0.0
-    assert metric(scores, 'parameter error') == pytest.approx(10.0)
-    met = {t.name: t.met for t in metrics(scores)}
-    assert met['true name first or among its alternatives [%]'] is False
-    assert met['false alarms in clean worlds [%]'] is True
+    lines = [line.split() for line in as_text(scores, '').splitlines()]
+    assert [*'75 of 4'.split()] in [line[-3:] for line in lines]
+    assert '10 of 3'.split() in [line[-3:] for line in lines if line[:3] == [
+        'median', 'parameter', 'error']]
+    assert '0 of 1'.split() in [line[-3:] for line in lines if line[:2] == ['false', 'alarms']]

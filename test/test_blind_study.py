@@ -86,17 +86,13 @@ def test_a_finished_study_of_rigs_is_scored_by_family(
     told = {'law': planned.effect, 'port': 'contact', 'families': ['friction'], 'unknown': None,
             'stage': 'press', 'concealed': 3.0}
     write_json(files.truth, told)
-    said = answer('coulomb_friction')
-    said['report']['effects'][0]['probability'] = 0.9
-    write_json(files.report, said)
+    write_json(files.report, answer('coulomb_friction'))
     target = tmp_path / 'scores.json'
     words = ['--count', '0', '--foreign', '1', '--output', str(tmp_path), '--json', str(target)]
     assert main(words) == 0
     assert 'right family first, no surplus name [%]' in capsys.readouterr().out
-    rigs = json.loads(target.read_text())['rigs']
-    assert rigs['kinds'] == {'foreign': {'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0,
-                                         'failed': 0, 'surplus': 0}}
-    assert not (tmp_path / 'confusion.png').exists()
+    assert json.loads(target.read_text())['kinds'] == {'foreign': {
+        'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0, 'failed': 0, 'surplus': 0}}
 
 
 @pytest.mark.slow
@@ -108,12 +104,12 @@ def test_the_command_draws_diagnoses_and_scores_trials(
              '--json', str(target), '--calibrate', str(constants)]
     assert main(words) == 0
     said = capsys.readouterr().out
-    assert '1 trials, 1 of them clean' in said and 'constants of the decision' in said
+    assert 'clean: nothing missing' in said and 'constants of the decision' in said
     assert set(json.loads(constants.read_text())) == set(Constants._fields)
     told = json.loads(target.read_text())
-    assert (told['count'], told['clean'], told['seed']) == (0, 1, 3)
+    assert (told['kinds']['clean']['trials'], told['seed']) == (1, 3)
     assert told['trials'][0]['error'] == ''
-    assert (tmp_path / 'study' / 'confusion.png').stat().st_size > 1000
+    assert (tmp_path / 'study' / 'reliability.png').stat().st_size > 1000
     assert (tmp_path / 'study' / 'table.txt').exists()
 
 

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-
 from blind_worlds import synthetic_run, WORLD
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.prior import Scales

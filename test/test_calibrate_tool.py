@@ -12,11 +12,9 @@ from typing import Any, Sequence
 
 from contact_estimation.commands.calibrate_tool import main
 from contact_estimation.recordings import RecordingWriter
-from contact_estimation.recordings.definitions import jazzy_typestore
-from contact_estimation.recordings.encoding import encode_string
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from reference_messages import joint_state_bytes, JOINTS, WRENCH, wrench_bytes
 import small_arm
 import yaml
 
@@ -29,24 +27,17 @@ PERIOD_S, HOLD_S = 0.01, 0.8
 
 
 def write(
-    path: Path, poses: Any, sign: float = 1.0,
-    contact: Sequence[int] = (), moved: float = 1.0,
-    rpy: Sequence[float] = (0.0, 0.0, 0.0), description: str = '', axes: str = 'sensor',
+    path: Path, poses: Any, sign: float = 1.0, contact: Sequence[int] = (), moved: float = 1.0,
+    axes: str = 'sensor',
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
-    rng, store = np.random.default_rng(1), jazzy_typestore()
-    types, header = store.types, _headers(store)
-    vector = types['geometry_msgs/msg/Vector3']
-    wrench_type, joint_type = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
+    rng, order = np.random.default_rng(1), [2, 0, 1]
+    names = [small_arm.JOINTS[i] for i in order]
     with RecordingWriter.file(path) as writer:
-        if description:
-            writer.write('/robot_description', 'std_msgs/msg/String',
-                         encode_string(description), 0)
         for k in range(int(len(poses) * HOLD_S / PERIOD_S)):
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])
             f = small_arm.pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
-            f = Rotation.from_euler('xyz', rpy).inv().apply(f)
             F, T = MASS * f + FORCE_BIAS, np.cross(CENTRE, MASS * f) + TORQUE_BIAS
             if number in contact:
                 F = F + [0.0, 0.0, -20.0]
@@ -54,21 +45,10 @@ def write(
             if axes == 'base':
                 R = small_arm.pose(list(q), 'sensor')[:3, :3]
                 F, T = R @ F, R @ T
-            wrench = types[wrench_type](header(stamp, 'sensor'), types['geometry_msgs/msg/Wrench'](
-                vector(*F), vector(*T)))
-            empty, order = np.zeros(0), [2, 0, 1]
-            joints = types[joint_type](
-                header(stamp, ''), [small_arm.JOINTS[i] for i in order], moved * q[order],
-                empty, empty)
-            for topic, kind, message in (('/wrench', wrench_type, wrench),
-                                         ('/joint_states', joint_type, joints)):
-                writer.write(topic, kind, bytes(store.serialize_cdr(message, kind)), stamp)
-
-
-def _headers(store: Any) -> Any:
-    types = store.types
-    time, header = types['builtin_interfaces/msg/Time'], types['std_msgs/msg/Header']
-    return lambda stamp, frame: header(time(*divmod(stamp, 10**9)), frame)
+            writer.write('/wrench', WRENCH, wrench_bytes(
+                F, T, stamp_ns=stamp, frame_id='sensor'), stamp)
+            writer.write('/joint_states', JOINTS, joint_state_bytes(
+                names, (moved * q[order]).tolist(), stamp_ns=stamp), stamp)
 
 
 def calibrate(folder: Path, *more: str) -> int:

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-
 from contact_estimation.diagnosis.fit.beam import Compared
 from contact_estimation.diagnosis.fit.constants import CONSTANTS
 from contact_estimation.diagnosis.fit.evidence import Evidence, Scored

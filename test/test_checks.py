@@ -186,7 +186,6 @@ COARSE: Mapping[str, tuple[str, Change]] = {
         force=np.maximum(s.force, 0.6 * float(np.min(s.force))))),
 }
 
-
 OF_FILES = {'complete_file': (0.0, 'it ends within its data'), 'stamp_order': (3.0, '')}
 
 

@@ -20,23 +20,13 @@ def paper_run() -> Run:
     return closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS)
 
 
-def test_indirect_adaptive_meets_the_paper_s_stiffness_error(paper_run: Run) -> None:
+def test_indirect_adaptive_meets_the_paper_s_errors(paper_run: Run) -> None:
     assert paper_run.last.stiffness == pytest.approx(4800.0, rel=0.005)
-
-
-def test_indirect_adaptive_meets_the_paper_s_damping_error(paper_run: Run) -> None:
     assert paper_run.last.damping == pytest.approx(200.0, rel=0.01)
 
 
-@pytest.mark.slow
-def test_rls_meets_the_paper_s_errors() -> None:
-    last = closed_loop({'estimator': 'rls'}, PAPER_SENSORS).last
-    assert last.stiffness == pytest.approx(4800.0, rel=0.013)
-    assert last.damping == pytest.approx(200.0, rel=0.03)
-
-
 def test_equal_seeds_give_equal_runs(paper_run: Run) -> None:
-    _, _, again = closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS, duration=6.5)
+    _, _, again = closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS, duration=3.0)
     assert repr(again) == repr(paper_run.results[:len(again)])
 
 
@@ -84,10 +74,7 @@ def gentle(name: str, K_e: float, **settings: Any) -> list[Estimate]:
 @pytest.mark.slow
 def test_closed_loop_errors_are_within_3_claimed_std() -> None:
     for name in TUNING:
-        for K_e, B_e, experiment in [
-            (1e5, 200.0, 'sine'), (1e5, 2000.0, 'none'), (1e6, 200.0, 'none'),
-            (1e6, 2000.0, 'sine'),
-        ]:
+        for K_e, B_e, experiment in [(1e5, 2000.0, 'none'), (1e6, 200.0, 'sine')]:
             world = {**SENSORS, 'environment.stiffness': K_e, 'environment.damping': B_e}
             last = closed_loop({'estimator': name, **TUNING[name]}, world, experiment).last
             assert abs(last.stiffness - K_e) < 3.0 * last.stiffness_std, name
@@ -95,26 +82,15 @@ def test_closed_loop_errors_are_within_3_claimed_std() -> None:
 
 
 @pytest.mark.slow
-def test_soft_touch_says_how_badly_damping_can_be_told() -> None:
+def test_soft_touch_says_how_badly_stiffness_and_damping_are_known() -> None:
     for name in TUNING:
-        for K_e, B_e, amplitude in [
-            (1e5, 200.0, 0.0), (1e5, 5000.0, 0.0), (1e6, 200.0, 0.0), (1e6, 200.0, 8.0),
-            (1e6, 5000.0, 0.0),
-        ]:
-            last = gentle(name, K_e, B_e=B_e, amplitude=amplitude)[-1]
+        for seed, (K_e, B_e, amplitude) in enumerate([
+            (1e5, 200.0, 0.0), (1e5, 5000.0, 8.0), (1e5, 5000.0, 0.0), (1e6, 200.0, 0.0),
+            (1e6, 200.0, 8.0), (1e6, 5000.0, 0.0),
+        ]):
+            last = gentle(name, K_e, B_e=B_e, amplitude=amplitude, seed=seed)[-1]
             if name == 'multiple_model' and not amplitude and last.reason == LOCATING:
-                continue  # 50 um inside a surface known to 2 mm tell nothing of K_e
+                continue  # 50 um inside a surface known to 2 mm say nothing of K_e
             assert last.status is EstimateStatus.ESTIMATING, (name, K_e, B_e, amplitude)
             assert abs(last.damping - B_e) < 3.0 * last.damping_std, (name, K_e, B_e, amplitude)
-
-
-@pytest.mark.slow
-def test_stiffness_of_a_soft_touch_is_within_2_claimed_std() -> None:
-    for name in TUNING:
-        for K_e, B_e, amplitude in [
-            (1e5, 200.0, 0.0), (1e5, 5000.0, 8.0), (1e6, 200.0, 8.0), (1e6, 5000.0, 0.0),
-        ]:
-            for seed in range(3):
-                last = gentle(name, K_e, B_e=B_e, amplitude=amplitude, seed=seed)[-1]
-                if last.reason != LOCATING:  # as above
-                    assert abs(last.stiffness - K_e) < 2.0 * last.stiffness_std, name
+            assert abs(last.stiffness - K_e) < 2.0 * last.stiffness_std, (name, K_e, amplitude)

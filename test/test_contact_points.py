@@ -19,7 +19,6 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
 

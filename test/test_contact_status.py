@@ -25,7 +25,6 @@ import numpy as np
 import pytest
 from wall_worlds import contact, Samples, spring_damper
 
-
 K, B = 5000.0, 100.0
 FREE, ESTIMATING, FROZEN = (
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)

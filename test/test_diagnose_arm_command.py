@@ -135,7 +135,7 @@ def test_what_the_recording_of_a_simulator_has_is_not_named(
     (['--nominal-robot', 'arm.urdf', '--nominal', 'x.yaml'], 'needs a wrench'),
     (['--nominal-robot', 'arm.urdf', '--axis', 'x'], '--axis belongs to the diagnosis'),
     (['--nominal-robot', 'arm.urdf', '--write-model', 'x.yaml'], '--write-model needs --nominal'),
-    (['--nominal-robot', 'run_1.mcap'], 'must be the text of a URDF file'),
+    (['--nominal-robot', 'run_1.mcap'], 'expected text in UTF-8, got other data'),
     (['--nominal-robot', 'arm.urdf', '--topic', 'joint_states:=/other'], '/other'),
     (['--write-urdf', 'c.urdf', '--nominal', 'x.yaml'], '--write-urdf needs --nominal-robot'),
     ([], 'one of --nominal MODEL.yaml'),

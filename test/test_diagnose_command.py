@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import re
 from typing import Any
 
+import contact_estimation as ce
 from contact_estimation.commands import diagnose
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import experiment_named
-from diagnosed_worlds import MODEL, recorded, with_unknown_force, write_model, write_recording
+from diagnosed_worlds import recorded, with_unknown_force, write_model, write_recording
 import numpy as np
 import pytest
 from run_commands import Command
@@ -58,8 +60,7 @@ def test_unexplained_recording_writes_all_files(
     assert experiment_named(str(file)).duration > 5.0
     page = (tmp_path / 'r.html').read_text(encoding='utf-8')
     assert 'unknown.mcap' in page and str(file) in page
-    again = command(folder / 'clean.mcap', '--nominal', tmp_path / 'm.yaml')
-    assert again.code == 0  # the corrected model is a nominal model again
+    assert ce.read_model(tmp_path / 'm.yaml').environment.stiffness > 0.0
 
 
 @pytest.mark.slow
@@ -94,37 +95,8 @@ def test_signals_without_information_are_refused_in_one_line(
 ) -> None:
     change, _ = BAD_SIGNALS[name]
     recording = write_recording(tmp_path / 'bad.mcap', change(recorded()))
-    line = command.refusal(recording, '--nominal', folder / 'model.yaml')
-    pytest.raises(ValueError, _fail, line).match(BAD_SIGNALS[name][1])
-
-
-def _fail(line: str) -> None:
-    raise ValueError(line)
-
-
-@pytest.mark.slow
-def test_missing_topic_is_named_with_the_recorded_ones(
-    folder: Path, tmp_path: Path, command: Command
-) -> None:
-    recording = write_recording(tmp_path / 'a.mcap', recorded(), wrench='/fts/wrench')
-    line = command.refusal(recording, '--nominal', folder / 'model.yaml')
-    assert 'wrench' in line and '/fts/wrench' in line
-    ended = command(recording, '--nominal', folder / 'model.yaml', '--topic',
-                    'wrench:=/fts/wrench')
-    assert ended.code == 0
-
-
-@pytest.mark.parametrize(('sections', 'hint'), [
-    ({'physics': {'coulomb_fricton': {'F_c': 1.0}}}, "'physics.coulomb_friction.F_c'"),
-    ({'environment': {**MODEL['environment'], 'stifness': 1.0}}, "'environment.stiffness'"),
-    ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
-    ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be'),
-])
-def test_model_file_that_is_wrong_is_refused_with_a_hint(
-    sections: dict[str, Any], hint: str, folder: Path, tmp_path: Path, command: Command
-) -> None:
-    model = write_model(tmp_path / 'model.yaml', **sections)
-    assert hint in command.refusal(folder / 'clean.mcap', '--nominal', model)
+    assert re.search(BAD_SIGNALS[name][1],
+                     command.refusal(recording, '--nominal', folder / 'model.yaml'))
 
 
 def test_missing_options_and_files_are_refused(

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """The figures of a diagnosis: what their axes show."""
 
 from __future__ import annotations

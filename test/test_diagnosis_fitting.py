@@ -19,7 +19,6 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-
 K_e, B_e = MODEL['environment.stiffness'], MODEL['environment.damping']
 STIFFER: dict[str, Any] = {'environment__stiffness': 5600.0, 'environment__damping': 90.0}
 

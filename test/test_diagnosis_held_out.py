@@ -49,6 +49,10 @@ def test_episodes_are_the_touches() -> None:
         assert o.x[stop - 1] > 0.0 >= o.x[stop]
 
 
+def test_contact_that_is_hardly_deep_beside_others_is_no_episode() -> None:
+    assert len(episodes(MODEL, moved((0.01, 0.0001, 0.01)))) == 2
+
+
 @pytest.mark.parametrize('depths', DEPTHS)
 def test_held_out_episode_is_whole_and_cut_in_free_flight(depths: tuple[float, ...]) -> None:
     o = moved(depths)

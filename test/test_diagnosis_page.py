@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """The page: self-contained, well formed, complete, and escaped."""
 
 from __future__ import annotations

@@ -104,6 +104,6 @@ def test_world_with_a_joint_is_that_of_an_independent_integration() -> None:
 @pytest.mark.slow
 def test_two_integration_steps_a_sample_are_enough() -> None:
     for name in {c.family: n for n, c in EFFECTS.items()}.values():
-        coarse, fine = (positions(name, integration_rate=rate) for rate in (1e3, 5e3))
+        coarse, fine = positions(name, integration_rate=1e3), positions(name)
         swing = np.max(fine) - np.min(fine)
         assert np.sqrt(np.mean((coarse - fine) ** 2)) < 1e-3 * swing, name

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Exported contacts: MuJoCo and Drake compute our force; other formats hold what they say."""
 
 from __future__ import annotations

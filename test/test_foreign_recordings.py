@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Foreign recordings: other types, no stamps, stamps of another clock, unknown rates."""
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Damaged or hostile files: one printable line, and no more memory than a stated limit."""
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
+from contact_estimation.kinematics.description import read_description
 from contact_estimation.parameter_files import read_parameter_file
 from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import chunk_reader, RecordingReader
@@ -82,10 +82,13 @@ def test_chunk_that_holds_more_than_it_states_is_damage(
     assert reader.damaged_chunks == 1
 
 
-def test_git_lfs_pointer_and_pipe_are_named(tmp_path: Path) -> None:
-    (tmp_path / 'a.mcap').write_text('version https://git-lfs.github.com/spec/v1\n')
-    with pytest.raises(RecordingError, match='Git LFS pointer .* git lfs pull'):
-        RecordingReader(tmp_path / 'a.mcap')
-    os.mkfifo(tmp_path / 'b.mcap')
-    with pytest.raises(RecordingError, match='is a pipe or device'):
-        RecordingReader(tmp_path / 'b.mcap')
+@pytest.mark.parametrize('name', ['a.mcap', 'a.csv', 'a.parquet', 'a.mat', 'a.db3', 'a.urdf'])
+def test_git_lfs_pointer_and_pipe_are_named(tmp_path: Path, name: str) -> None:
+    read = read_description if name == 'a.urdf' else RecordingReader
+    (tmp_path / name).write_text('version https://git-lfs.github.com/spec/v1\n')
+    with pytest.raises(ContactEstimationError, match='Git LFS pointer; .* git lfs pull'):
+        read(tmp_path / name)
+    (tmp_path / 'pipe').mkdir()
+    os.mkfifo(tmp_path / 'pipe' / name)
+    with pytest.raises(ContactEstimationError, match='got a folder, pipe or device'):
+        read(tmp_path / 'pipe' / name)

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-
 K, B, T = 4800.0, 200.0, 0.002
 GAINS = np.array([5.0e4, 2.5e3])
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import isfinite, isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
@@ -18,14 +18,15 @@ from contact_estimation.pipeline.events import (
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.studies import online_contacts
 from core_runs import contact_samples
-from healthy_worlds import healthy_world
 import numpy as np
 import pytest
 
 K_E, B_E = 5000.0, 100.0
 HEALTHY = contact_samples(2.0, K_E, B_E, force_noise=0.6, position_noise=1e-6)
 SOFT = contact_samples(1.5, 200.0, 4.0, depth=0.08, amplitude=0.01, force_noise=0.6)
+HEALTHY_WORLDS = online_contacts.ROWS['healthy']  # with a plant and sensors of their own
 MILLISECOND = 1_000_000
 Change = Callable[[ContactSample], ContactSample]
 
@@ -179,14 +180,11 @@ def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
     assert not session.checks.warnings()
 
 
-@pytest.mark.parametrize('seed, velocity_noise', [
-    (4, 3e-3), (14, 3e-3), (39, 3e-3), (50, 0.0), (104, 0.0), (42, 3e-4)])
-def test_nothing_is_said_of_healthy_worlds_with_a_noisy_velocity(
-    seed: int, velocity_noise: float
-) -> None:
-    session, _ = fed(healthy_world(seed, velocity_noise).samples)
-    found = {one.warned.name for one in session.checks.ordered_warnings()}
-    assert found <= {'surface_unchecked', 'surface_shifted', 'model_fit'}
+@pytest.mark.parametrize('index', [2, 3, 4, 5, 10, 17])
+def test_nothing_is_said_of_healthy_worlds_with_a_noisy_velocity(index: int) -> None:
+    found = HEALTHY_WORLDS.run(np.random.default_rng(index), index)
+    assert found.more['warned'] == []
+    assert isfinite(found.K_error) and abs(found.K_error) < 0.1
 
 
 @pytest.mark.parametrize('first, text', [(0, 'relies on environment.location'),
@@ -201,3 +199,14 @@ def test_every_check_and_rejection_is_documented() -> None:
     names = [check.name for check in CHECKS] + [rejection.name for rejection in REJECTIONS]
     assert len(set(names)) == len(names)
     assert all(check.message and check.cause and check.remedy for check in CHECKS)
+
+
+def test_skew_after_a_long_free_flight_is_reported_within_2_s_of_contact() -> None:
+    noise = np.random.default_rng(0).normal(0.0, 0.6, 8000)
+    first, period = HEALTHY[0], HEALTHY[1].stamp_ns - HEALTHY[0].stamp_ns
+    flight = [first._replace(stamp_ns=k * period, force=force, velocity=0.0)
+              for k, force in enumerate(noise.tolist())]
+    later = [one._replace(stamp_ns=one.stamp_ns + len(flight) * period) for one in HEALTHY]
+    session, _ = fed([*flight, *later], wrench_late_ms=10)
+    touch_ns = next(one.stamp_ns for one in later if one.force < -4.0) + 1000 * MILLISECOND
+    assert session.checks.found['stamp_skew', 'x'].first_ns - touch_ns < 2000 * MILLISECOND

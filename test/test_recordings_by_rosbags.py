@@ -12,7 +12,7 @@ from typing import Any
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.exceptions import MissingPackageError, RecordingError
 from contact_estimation.pipeline.events import EstimationEvent, START
-from contact_estimation.recordings import RecordingReader, rosbags_file
+from contact_estimation.recordings import chunk_reader, RecordingReader, rosbags_file
 from contact_estimation.recordings.encoding import encode_string, JointStateEncoder, WrenchEncoder
 from core_runs import contact_samples
 import pytest
@@ -96,3 +96,18 @@ def test_a_bag_that_decompresses_to_more_than_its_limit_is_refused(
     monkeypatch.setattr(rosbags_file, 'LARGEST_FILE', 1000)
     with pytest.raises(RecordingError, match='more than the limit .* ros2 bag convert'):
         RecordingReader(bag).topics()
+
+
+@pytest.mark.parametrize('storage', ['SQLITE3', 'MCAP'])
+def test_messages_that_decompress_to_more_than_the_limit_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, storage: str
+) -> None:
+    bag = write(tmp_path / 'bag', storage, 'MESSAGE')
+    monkeypatch.setattr(chunk_reader, 'LARGEST_CHUNK', 5000)
+    with pytest.raises(RecordingError, match='expected at most'):
+        list(RecordingReader(bag).messages())
+
+
+def test_compressed_messages_are_read_without_the_metadata_of_the_bag(tmp_path: Path) -> None:
+    (file,) = write(tmp_path / 'bag', 'MCAP', 'MESSAGE').glob('*.mcap')
+    assert sorted(map(tuple, RecordingReader(file).messages())) == sorted(messages())

@@ -41,17 +41,7 @@ def biased(samples: list[ContactSample], begin_ns: int) -> list[ContactSample]:
 
 
 class Recording:
-    """
-    A recorder of what a peer and its estimator say.
-
-    Attributes
-    ----------
-    recorder : ModuleProcess
-        Runs the recorder.
-    begin_ns : int
-        After the stamps with which the nodes have got to know each other [ns].
-
-    """
+    """A recorder of what a peer and its estimator say, from `begin_ns` on."""
 
     def __init__(self, peer: Peer, folder: Path, recorder: ModuleProcess) -> None:
         self.recorder, self._peer, self._folder = recorder, peer, folder

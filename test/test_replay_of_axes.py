@@ -145,7 +145,6 @@ LIES = (lambda ns: 0, lambda ns: ns + 6 * 10**8, lambda ns: ns - 3 * 10**9)
 FALSE = sent([sample._replace(stamp_ns=LIES[k % 3](sample.stamp_ns)) if k % 100 == 50 else sample
               for k, sample in enumerate(TOUCH)])
 
-
 KINDS = {'regular': IN_TIME, 'with NaN': BAD, 'set back': BACK, 'false stamps': FALSE}
 
 
@@ -156,9 +155,8 @@ def in_time(tmp_path_factory: pytest.TempPathFactory) -> Replayed:
     return {kind: replayed(folder / f'{kind}.mcap', messages) for kind, messages in KINDS.items()}
 
 
-@pytest.mark.parametrize('topic', TYPES)
 @pytest.mark.parametrize('kind', KINDS)
-@pytest.mark.parametrize('span', ((0, 110), (310, 380)))
+@pytest.mark.parametrize('topic, span', [('/wrench', (310, 380)), ('/joint_states', (0, 110))])
 def test_replay_is_that_of_the_topic_in_time(
     in_time: Replayed, tmp_path: Path, topic: str, kind: str, span: tuple[int, int]
 ) -> None:

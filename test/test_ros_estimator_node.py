@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import isnan
 from typing import Iterator
 
-from contact_estimation.estimators import ESTIMATORS, MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from contact_estimation.estimators.multiple_model import LAWS
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stamp_screen import CONFIRMING
@@ -52,19 +51,6 @@ def test_published_estimates_are_those_of_the_session_bit_for_bit(peer: Peer) ->
     estimates = [result.estimate for result in session_results(samples)]
     assert list(peer.values('stiffness').values()) == [e.stiffness for e in estimates]
     assert list(peer.values('damping').values()) == [e.damping for e in estimates]
-
-
-@pytest.mark.parametrize('estimator', ONLINE_ESTIMATORS)
-def test_estimates_converge_to_the_truth(peer: Peer, estimator: str) -> None:
-    peer.change(estimator=estimator)
-    samples = moved(LONG, peer.begin_ns)
-    peer.feed(samples)
-    last = samples[-1].stamp_ns
-    linear = estimator == MULTIPLE_MODEL or ESTIMATORS[estimator].fits_linear_damping
-    # The exponent of hunt_crossley takes a part of K.
-    assert peer.values('stiffness')[last] == pytest.approx(K_E, rel=0.01 if linear else 0.02)
-    if linear:
-        assert peer.values('damping')[last] == pytest.approx(B_E, rel=0.03)
 
 
 def test_status_is_published_on_change_alone(peer: Peer) -> None:
@@ -135,21 +121,6 @@ def test_force_law_holds_in_contact_with_effort(
     # x_r begins at the surface found, which is known to some micrometres.
     assert point.positions[0] == pytest.approx(30.0 * compliance, abs=5e-6)
     assert list(point.effort) == [30.0]
-
-
-def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
-    peer: Peer,
-) -> None:
-    samples = moved(LONG, peer.begin_ns)
-    peer.feed(samples[:600])
-    before = peer.values('stiffness')[samples[599].stamp_ns]
-    peer.change(estimator='rls')
-    peer.feed(samples[600:700])
-    stiffness = peer.values('stiffness')
-    stamps = list(stiffness)
-    assert max(b - a for a, b in zip(stamps, stamps[1:])) <= 2 * PERIOD_NS
-    assert stiffness[samples[600].stamp_ns] == before
-    assert stiffness[stamps[-1]] == pytest.approx(K_E, rel=0.02)
 
 
 def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:

@@ -5,22 +5,54 @@
 
 from __future__ import annotations
 
-from typing import Iterator
+from typing import Any, Iterator
 
-from axes_peer import AxesPeer, node_of_axes
-from axes_runs import feed_axes, instants, moved_instants, PARAMETERS, session_of_axes
+from axes_runs import (
+    feed_axes, Instant, instants, JOINTS, moved_instants, PARAMETERS, session_of_axes)
 import pytest
-from ros_peer import ESTIMATES
+from ros_messages import FRAME, JointState, to_stamp, WrenchStamped
+from ros_peer import ESTIMATES, Peer
+from ros_processes import node_process
 
 pytestmark = pytest.mark.slow
 
 SAMPLES = instants(0.5)
+NAMED = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
+
+
+class AxesPeer(Peer):
+    """A robot with a joint an axis, and one that is none of them."""
+
+    def send(self, sample: Any) -> None:
+        """Publish an instant, or free flight with which node and peer get to know each other."""
+        if not isinstance(sample, Instant):
+            sample = Instant(sample.stamp_ns, (-0.01, 0.24, -0.51), (0.0,) * 3, (0.0,) * 3)
+        joints = JointState(name=['elbow', *JOINTS.values()], position=[9.0, *sample.positions],
+                            velocity=[9.0, *sample.velocities])
+        wrench = WrenchStamped()
+        wrench.header.frame_id = FRAME
+        joints.header.stamp = wrench.header.stamp = to_stamp(sample.stamp_ns)
+        force = wrench.wrench.force
+        force.x, force.y, force.z = sample.forces
+        self.joints.publish(joints)
+        self.wrenches.publish(wrench)
+
+    def vectors(self, name: str) -> dict[int, tuple[float, float, float]]:
+        """Return published vectors by their stamps."""
+        heard = self.heard[name].items()
+        return {stamp: (m.vector.x, m.vector.y, m.vector.z) for stamp, m in heard}
 
 
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AxesPeer]:
-    with node_of_axes(tmp_path_factory.mktemp('axes'), PARAMETERS) as peer:
-        yield peer
+    with node_process(tmp_path_factory.mktemp('axes'), 'estimator_node', diagnostics_rate=10.0,
+                      **NAMED):
+        peer = AxesPeer()
+        try:
+            peer.meet()
+            yield peer
+        finally:
+            peer.close()
 
 
 @pytest.fixture
@@ -30,23 +62,21 @@ def peer(shared: AxesPeer) -> AxesPeer:
 
 
 def test_published_vectors_are_those_of_the_session_bit_for_bit(peer: AxesPeer) -> None:
-    samples = moved_instants(SAMPLES, peer.begin_ns)
-    peer.feed_instants(samples)
+    samples: Any = moved_instants(SAMPLES, peer.begin_ns)
+    peer.feed(samples)
     results = feed_axes(session_of_axes(), samples)
     for name in ESTIMATES:
-        expected = {
-            r.sample.stamp_ns: tuple(getattr(e, name) for e in r.estimates)
-            for r in results
-        }
-        assert peer.vectors(name) == expected
+        assert peer.vectors(name) == {
+            r.sample.stamp_ns: tuple(getattr(e, name) for e in r.estimates) for r in results}
 
 
 def test_status_and_diagnostics_tell_of_every_axis(peer: AxesPeer) -> None:
+    samples: Any = moved_instants(SAMPLES, peer.begin_ns)
     peer.change(estimator='kalman')
-    peer.feed_instants(moved_instants(SAMPLES, peer.begin_ns))
+    peer.feed(samples)
     peer.start_afresh()  # the status comes on change: that of the start was before the peer
     samples = moved_instants(SAMPLES, peer.begin_ns)
-    peer.feed_instants(samples)
+    peer.feed(samples)
     assert peer.statuses()[0].startswith('free: y free, z free')
     assert peer.statuses()[-1] == 'estimating: y estimating, z estimating'
     figures, (_, y, z) = peer.figures(), peer.vectors('stiffness')[samples[-1].stamp_ns]

@@ -25,7 +25,6 @@ from ros_processes import node_process, PATIENCE_S, wait_until
 lifecycle = pytest.importorskip('lifecycle_msgs.srv')
 messages = pytest.importorskip('lifecycle_msgs.msg')
 
-
 SAMPLES = contact_samples(1.0)
 PATIENCE = Duration(seconds=PATIENCE_S)
 Transition = messages.Transition
@@ -87,7 +86,7 @@ def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Pe
         assert node.end().code == 0
 
 
-OPTIONAL = ('stiffness_std', 'damping_std', 'location', 'inertia', 'model_fit')
+OPTIONAL = ('location', 'model_fit')
 TYPES = {'model_fit': Float64}
 
 

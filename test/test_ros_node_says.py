@@ -56,15 +56,10 @@ def test_far_wall_is_a_warning_in_log_and_diagnostics_until_set_location(
 
 
 MISFITS: list[tuple[str, dict[str, Any], Any, Any]] = [
-    ('stamps are zero', {}, lambda k: wrench(0, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
     ("joint 'elbow' is not in the message", {'joint': 'elbow'},
      lambda k: wrench(k, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
-    ("expected 'tool', got 'base'", {'frame_id': 'tool'},
-     lambda k: wrench(k, 1.0, 'base'), lambda k: joint_state(k, 0.0, 0.0)),
     ('s behind the wrench', {},
      lambda k: wrench(k + 3 * 10**9, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
-    ('s ahead of the wrench', {},
-     lambda k: wrench(k - 3 * 10**9, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
 ]
 
 

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Stability on a wall: predicted boundaries are those of the simulated loop."""
 
 from __future__ import annotations

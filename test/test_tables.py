@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
 
 from __future__ import annotations
@@ -66,11 +65,25 @@ def test_columns_are_found_by_the_names_of_common_logs(
     '"t"\t"F"\t"x"\n' + ROWS.replace(',', '\t'),
     '\ufefft_ms,F [kN],x (mm)\r\n0,0.0015,100\r\n100,0.0025,200\r\n',
     't,note,F,x\n0.0,begin,1.5,0.1\n0.1,,2.5,0.2\n',
+    't|F|x\n# begin\n0.0|1.5|0.1\n0.1|2.5|0.2\n',
+    't,F,x\n"0,000","1,500","0,100"\n"0,100","2,500","0,200"\n',
+    't / s,F in N,"x, mm"\n0.0,1.5,100\n0.1,2.5,200\n',
+    'Test;7;mm\n\nt;F;x;strain\n(s);(N);(m);(mm/mm)\n0,0;1,5;0,1;0\n0,1;2,5;0,2;0\n',
+    't,F,x\n0.0,1.5D0,0.1e0\n0.1,2.5D+0,0.2\n',
+    'time,F,x\n2026-01-31T12:00:00.0Z,1.5,0.1\n2026-01-31T12:00:00.1Z,2.5,0.2\n',
+    'date,time,F,x\n1/31/2026,23:59:58.0,1.5,0.1\n1/31/2026,23:59:58.1,2.5,0.2\n',
+    'header.stamp.sec,header.stamp.nanosec,F,x\n9,950000000,1.5,0.1\n10,50000000,2.5,0.2\n',
+    'timestamp,F,x\n1700000000000,1.5,0.1\n1700000000100,2.5,0.2\n',
+    'timestamp,F,x\n1700000000000000,1.5,0.1\n1700000000100000,2.5,0.2\n',
+    't,F,x\n0.0,1.5,0.1\n0.1,2.5,0.2\n1e300,1,1\ninf,1,1\n,1,1\n',
+    't,skin,force,tcp\n0.0,"[[1 2]\n [3 4]]","[1.5, 0.0, 0.0]","(0.1, 0.0)"\n'
+    '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n',
 ])
-def test_text_of_any_habit_is_read(tmp_path: Path, text: str) -> None:
-    (tmp_path / 'a.csv').write_text(text)
+@pytest.mark.parametrize('encoding', ['utf-8', 'utf-16'])
+def test_text_of_any_habit_is_read(tmp_path: Path, text: str, encoding: str) -> None:
+    (tmp_path / 'a.csv').write_text(text, encoding=encoding)
     found = ce.read_table(tmp_path / 'a.csv')
-    np.testing.assert_allclose(found['t'], [0.0, 0.1])
+    np.testing.assert_allclose(found['t'], [0.0, 0.1], atol=3e-7)  # of dates
     np.testing.assert_allclose(found['wrench.force.x'], [1.5, 2.5])
     np.testing.assert_allclose(found['joint.x'], [0.1, 0.2])
 
@@ -83,6 +96,44 @@ def test_text_of_any_habit_is_read(tmp_path: Path, text: str) -> None:
 def test_thousands_may_be_separated(tmp_path: Path, text: str) -> None:
     (tmp_path / 'a.csv').write_text(text)
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1500.5, 1000.0]
+
+
+@pytest.mark.parametrize('number, value', [
+    ('\u22121,5', -1.5), ('1 500,25', 1500.25), ('1.500,25', 1500.25), ("1'500", 1500.0)])
+def test_numbers_of_typesetters_are_read(tmp_path: Path, number: str, value: float) -> None:
+    (tmp_path / 'a.csv').write_text(f't;F;x\n0,0;{number};0,1\n0,1;0,5;0,2\n')
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [value, 0.5]
+
+
+@pytest.mark.parametrize('header, units', [
+    ('t [s],Fz [nN],z [nm],Tz [Nm]', ()), ('t,Fz,z,Tz [nm]', ('nN', 'nm'))])
+def test_case_tells_a_nanometre_from_a_newton_metre(
+    tmp_path: Path, header: str, units: tuple[str, ...]
+) -> None:
+    (tmp_path / 'a.csv').write_text(f'{header}\n0,1,5,3\n1,2,6,4\n')
+    found = ce.read_table(tmp_path / 'a.csv', units=units)
+    np.testing.assert_allclose(found['wrench.force.z'], [1e-9, 2e-9])
+    np.testing.assert_allclose(found['joint.z'], [5e-9, 6e-9])
+    np.testing.assert_allclose(found['wrench.torque.z'], [3.0, 4.0])
+
+
+def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
+    rows = ''.join(f'{k};0;0\n' for k in range(300))
+    (tmp_path / 'a.csv').write_text(f't;F;x\n{rows}300;-0,125;0,5\n')
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
+
+
+def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
+    np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
+
+
+def test_cells_without_a_number_are_reported(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n0,1,1\n1,over,1\n2,1,NA\n')
+    said = Command('convert', convert, capfd)(tmp_path / 'a.csv', tmp_path / 'b.mcap').out
+    assert "F (1 cells hold no number, the first 'over') joint.x=x\n" in said
 
 
 def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:
@@ -115,6 +166,7 @@ def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),
     ('t,F,x', {'columns': {'joint.x': 'y'}}, "joint.x=y: .*'t', 'F', 'x'"),
     ('t,F,x', {'columns': {'force': 'F'}}, "no signal 'force'; expected one of t, wrench"),
+    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other"),
 ])
 def test_table_that_is_not_understood_says_how_to_choose(
     tmp_path: Path, header: str, options: Any, text: str
@@ -122,6 +174,12 @@ def test_table_that_is_not_understood_says_how_to_choose(
     (tmp_path / 'a.csv').write_text(f'{header}\n{ROWS}')
     with pytest.raises(ce.ContactEstimationError, match=text):
         ce.read_table(tmp_path / 'a.csv', **options)
+
+
+def test_column_without_a_time_is_refused(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n,1,1\nNA,1,2\ninf,1,2\n')
+    with pytest.raises(ce.ContactEstimationError, match="column 't' holds no time: .* t=500Hz"):
+        ce.read_table(tmp_path / 'a.csv')
 
 
 @pytest.mark.slow

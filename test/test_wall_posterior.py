@@ -9,10 +9,11 @@ from typing import Callable
 from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
+from contact_estimation.studies.online_worlds import ramp
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from wall_worlds import Array, contact, fed, Law, Samples, spring_damper, step
+from wall_worlds import Array, contact, fed, Law, Samples, spring_damper
 
 K, B = 5000.0, 100.0
 NO_LAG = lag_prior(0.0, 1e-3)  # the sensor has none, and says so
@@ -74,6 +75,21 @@ def test_slow_touch_is_found_before_eight_deviations_and_never_early() -> None:
             assert not np.any(states[first:] == FREE), (slope, seed)
 
 
+@pytest.mark.parametrize('hertz', [20.0, 50.3, 120.0])
+def test_hum_is_neither_a_contact_nor_a_stiffness(hertz: float) -> None:
+    samples = contact(spring_damper(K, B), 4.0, noise=0.1, presses=((1.0, 4.0),))
+    humming = samples.force + 0.5 * np.sin(2.0 * np.pi * hertz * samples.t)
+    posterior, touched, last = WallPosterior(), 0, samples._replace(force=humming)
+    for t, force, x, depth in zip(*(one.tolist() for one in last)):
+        state = posterior.take(t, force, x)
+        touched += state != FREE and depth < -1e-3 and t > 0.4
+        known = posterior.known
+        if known.valid and depth > 1e-3:
+            assert within(known.stiffness, K, known.stiffness_std, 3.0)
+    assert touched == 0
+    assert posterior.known.stiffness_std < 0.01 * K
+
+
 # -- from the first estimate on -----------------------------------------------------------------
 
 def worst_error(samples: Samples, stiffness: float) -> float:
@@ -122,7 +138,7 @@ def hunt_crossley(exponent: float) -> Law:
 
 
 def moved(t: Array) -> Array:
-    return np.asarray(1e-3 * (step(t, 1.2, 0.8) - step(t, 2.2, 0.8)))
+    return np.asarray(1e-3 * (ramp(1.2, 0.8, 1.0)(t) - ramp(2.2, 0.8, 1.0)(t)))
 
 
 WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Callable, NamedTuple
 
 from contact_estimation.estimators.multiple_model import WallPosterior
+from contact_estimation.studies.online_worlds import ramp
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -33,18 +34,10 @@ def spring_damper(K: float, B: float) -> Law:
     return lambda d, v, a: K * d + B * v
 
 
-def step(t: Array, begin: float, seconds: float) -> Array:
-    """Return a quintic from 0 to 1 with two derivatives, shape (3, N)."""
-    s = np.clip((t - begin) / seconds, 0.0, 1.0)
-    return np.array([
-        s**3 * (10.0 - 15.0 * s + 6.0 * s**2), 30.0 * (s * (1.0 - s))**2 / seconds,
-        60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / seconds**2])
-
-
 def press(t: Array, begin: float, end: float, depth: float, shaken: float) -> Array:
     """Return a press to a depth [m], shaken in three tones of an amplitude [m], shape (3, N)."""
-    level = step(t, begin, 0.25) - step(t, end - 0.25, 0.25)
-    window = step(t, begin + 0.25, 0.3) - step(t, end - 0.55, 0.3)
+    level = ramp(begin, 0.25, 1.0)(t) - ramp(end - 0.25, 0.25, 1.0)(t)
+    window = ramp(begin + 0.25, 0.3, 1.0)(t) - ramp(end - 0.55, 0.3, 1.0)(t)
     tone = np.zeros((3, len(t)))
     for omega, phase in ((13.0, 0.3), (31.0, 1.1), (67.0, 2.0)):
         angle = omega * t + phase
@@ -64,25 +57,11 @@ def contact(
     """
     Press once from 0.2 s to the end, or several times.
 
-    Parameters
-    ----------
-    law : callable
-        Force of depth, rate and acceleration; it acts inside the wall, and never pulls.
-    seconds, depth, shaken : float
-        Duration [s], depth of the press [m], amplitude of the excitation [m].
-    noise, position_noise : float
-        Standard deviations [N], [m].
-    rate, seed : float, int
-        Samples per second, seed of the noise.
-    surface : float
-        x_e [m].
-    presses : tuple of (float, float)
-        Begin and end of each [s].
-    pole_s, delay_s : float
-        Time constant of a low-pass in the sensor, and a delay [s].
-    wall : callable, optional
-        Motion of the wall with two derivatives, shape (3, N).
-
+    law: force of depth, rate and acceleration; it acts inside the wall, and never pulls
+    depth, shaken: of the press, and amplitude of the excitation [m]
+    presses: begin and end of each [s]
+    pole_s, delay_s: time constant of a low-pass in the sensor, and a delay [s]
+    wall: motion of the wall with two derivatives, shape (3, N)
     """
     t = np.arange(round(seconds * FINE)) / FINE
     late = t - delay_s

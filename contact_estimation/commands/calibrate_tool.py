@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Callable
 from xml.etree import ElementTree
 
@@ -17,6 +16,7 @@ from .command_line import (
 from ..exceptions import (
     EstimationError, ModelFileError, ParameterRangeError, RecordingError, UnknownNameError)
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
+from ..kinematics.description import read_description
 from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
@@ -62,8 +62,7 @@ def run(options: Any) -> int:
         raise RecordingError(
             f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
             'in --params as force_sensor.frame (UR drivers that leave it empty: tool0, with '
-            'force_sensor.axes: base)'
-        )
+            'force_sensor.axes: base)')
     urdf, origin = _description(options, reader, source)
     model = RobotModel(urdf, _root(urdf, origin), frame)
     sign = _force_sign(given)
@@ -103,23 +102,14 @@ def _description(
 ) -> tuple[str, str]:
     """Return the URDF, and the file or recording that holds it."""
     if options.robot_description:
-        return _text(options.robot_description), options.robot_description
+        return read_description(options.robot_description), options.robot_description
     try:
         return recorded_description(reader, source), f'in {options.recording}'
     except RecordingError as error:
         raise RecordingError(
             f'{options.recording} has no robot description on '
             f'{canonical(source.robot_description)}; give the URDF as --robot-description, or '
-            'record the topic'
-        ) from error
-
-
-def _text(path: str) -> str:
-    try:
-        return Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, 'strerror', None) or error
-        raise ModelFileError(f'robot description {path} cannot be read: {reason}') from error
+            'record the topic') from error
 
 
 def _root(urdf: str, origin: str) -> str:
@@ -135,8 +125,7 @@ def _root(urdf: str, origin: str) -> str:
              if link.get('name') not in children]
     if len(roots) != 1:
         raise ModelFileError(
-            f'robot description {origin} must have one root link, got {roots or "none"}'
-        )
+            f'robot description {origin} must have one root link, got {roots or "none"}')
     return roots[0]
 
 
@@ -158,8 +147,7 @@ def _parameter_file(found: ToolCalibration, frame: str) -> str:
     tool = found.tool
     values = {'mass': round(tool.mass, 6)} | {
         name: [round(value, 6) for value in getattr(tool, name)]
-        for name in ('centre', 'force_bias', 'torque_bias')
-    }
+        for name in ('centre', 'force_bias', 'torque_bias')}
     # tool.* is the load of a tool at rest; its inertia along the normal is a known effect.
     inertia = {'tool_inertia': {'mass': values['mass']}}
     text = yaml.safe_dump({'/**': {'ros__parameters': {'tool': values, 'physics': inertia}}},

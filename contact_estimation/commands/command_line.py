@@ -74,21 +74,22 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--columns', nargs='+', action='extend', default=[], metavar='SIGNAL=COLUMN',
-        help='of a CSV, Parquet or MAT file: column of a signal (' + ', '.join(KEYS) + '; x '
-        'likewise y, z), -COLUMN with the opposite sign; t=500Hz is a rate; default: by name',
+        help='column of each signal in a CSV, Parquet or MAT file (' + ', '.join(KEYS) + '; y and '
+        'z like x); -COLUMN reverses the sign, t=500Hz gives a rate (default: found by name)',
     )
     parser.add_argument(
         '--units', default='', metavar='UNIT,...',
-        help='of its columns, such as mm,N,ms (default: as in their names, else SI)',
+        help='units of these columns, such as mm,N,ms (default: from their names, else SI)',
     )
     parser.add_argument(
         '--stamps', choices=STAMPS, default='header',
-        help='time of a message: its header, or its reception by the recorder, where headers have '
-        'none or that of another clock (header)',
+        help='take the time of a message from its header, or from its reception by the recorder '
+        'if headers have no stamps or those of another clock (header)',
     )
     parser.add_argument(
         '--wrench-field', default='', metavar='FIELD',
-        help='force and torque in messages that are no WrenchStamped, such as data[0:6]',
+        help='field with force and torque in other messages than WrenchStamped, such as '
+        'data[0:6]',
     )
 
 
@@ -96,8 +97,8 @@ def add_tare_option(parser: argparse.ArgumentParser) -> None:
     """Add the option that chooses the zero of the force."""
     parser.add_argument(
         '--tare', default='', metavar=f'{FIRST}|A:B|{TRACKED}',
-        help='zero of the force: its median in the first free flight, or from A to B s after the '
-        'first wrench, or tracked in each free flight (default: as recorded)',
+        help='subtract the median force of the first free flight, or from A to B s after the '
+        'first wrench, or the zero tracked over all free flights (default: nothing)',
     )
 
 
@@ -135,8 +136,7 @@ def topics_of(options: Any) -> dict[str, str]:
         name, found, topic = remap.partition(':=')
         if not found or not topic:
             raise RecordingError(
-                f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench'
-            )
+                f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench')
         topics[name] = topic
     return topics
 
@@ -150,8 +150,8 @@ def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:
     """Add the option --params of commands that estimate or need the parameters of an arm."""
     parser.add_argument(
         '--params', action='append', default=[], metavar='FILE',
-        help=f'ROS 2 parameter file of estimator_node{meaning}; may be repeated, later files '
-        'override earlier ones',
+        help=f'ROS 2 parameter file of estimator_node{meaning}; if given several times, later '
+        'files override earlier ones',
     )
 
 
@@ -183,20 +183,17 @@ def new_file(path: str) -> Path:
     file = Path(path)
     if not file.absolute().parent.is_dir():
         raise RecordingError(
-            f'cannot write {path}: folder {file.parent} does not exist; make it first'
-        )
+            f'cannot write {path}: folder {file.parent} does not exist; make it first')
     if file.is_dir():
         raise RecordingError(f'cannot write {path}: it is a folder; choose a file in it')
     if file.is_file() and is_recording(file):
         raise RecordingError(
             f'cannot write {path}: it is a recording, and recordings are never overwritten; '
-            'choose another file'
-        )
+            'choose another file')
     if is_bag_folder(file.resolve().parent):
         raise RecordingError(
             f'cannot write {path}: its folder is a rosbag2 recording, and recordings are never '
-            'changed; choose another folder'
-        )
+            'changed; choose another folder')
     return file
 
 
@@ -206,8 +203,7 @@ def new_folder(path: str) -> Path:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise RecordingError(
             f'--output {path} exists already and is not empty, and recordings are never '
-            'overwritten; choose another folder'
-        )
+            'overwritten; choose another folder')
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -222,8 +218,7 @@ def different_files(
             if any(_same_file(path, file) for file in files if file):
                 raise RecordingError(
                     f'cannot write {path}: it is {meaning}, which would be lost; choose another '
-                    'file'
-                )
+                    'file')
         if any(_same_file(path, other) for other in taken):
             raise RecordingError(f'two results cannot both be written to {path}; choose two files')
         taken.append(path)

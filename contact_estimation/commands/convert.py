@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """`convert`: a table or a foreign recording as a recording with the usual topics, or as CSV."""
 
 from __future__ import annotations
@@ -39,9 +38,6 @@ def run(options: Any) -> int:
     output = Path(options.output)
     if output.suffix.lower() not in ('.mcap', '.csv'):
         raise RecordingError(f'OUT must end in .mcap or .csv, got {output}')
-    if output.exists():
-        raise RecordingError(
-            f'{output} exists and recordings are never overwritten; choose another output')
     check_outputs([options.output], {'the recording': [options.recording]})
     source = source_of(options)
     reader = RecordingReader(options.recording, source)

@@ -44,14 +44,16 @@ def make_parser() -> Parser:
     parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
     parser.add_argument('--nominal-robot', metavar='ARM.urdf',
-                        help='robot description: what a whole arm lacks, joint by joint, from '
-                        'joint states with efforts and, in contact, wrenches; --nominal is then '
-                        'what it touches (extra robots)')
+                        help='URDF of an arm, which is diagnosed joint by joint from joint '
+                        'states with efforts and, in contact, wrenches; --nominal is then the '
+                        'model of what the arm touches (needs the extra robots)')
     parser.add_argument('--simulation', metavar='SIM',
-                        help='recording of any simulator under the same commands: its model is '
-                        'identified first, from --nominal if given, and is then the nominal one')
+                        help='recording of any simulator under the same commands, whose model '
+                        'is identified first (from --nominal, if given) and used as the nominal '
+                        'model')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
-                        help='recordings to test on (default: a part of each recording)')
+                        help='recordings excluded from fitting, to test on (default: a part of '
+                        'each recording is held out)')
     parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
     parser.add_argument('--html', metavar='FILE',
                         help='write the report with figures as one HTML file')
@@ -61,15 +63,14 @@ def make_parser() -> Parser:
                         help='write the corrected contact for an engine: ' + ', '.join(ENGINES)
                         + '; may be repeated')
     parser.add_argument('--write-urdf', metavar='FILE',
-                        help='write the corrected robot description, and beside it FILE.mjcf with '
-                        'friction, damping and armature for MuJoCo')
+                        help='write the corrected robot description, and FILE.mjcf with friction, '
+                        'damping and armature for MuJoCo')
     parser.add_argument('--write-trajectory', metavar='FILE.csv',
-                        help='write a motion by which the inertia of the links of --nominal-robot '
-                        'can be told, within its limits, and beside it FILE.yaml, the same as '
-                        'trajectory_msgs/msg/JointTrajectory')
+                        help='write a motion within the limits of --nominal-robot that identifies '
+                        'the inertia of its links, also as a JointTrajectory in FILE.yaml')
     parser.add_argument('--write-comparison', metavar='FILE',
-                        help='write all models that were compared, with their errors on parts '
-                        'left out, as JSON')
+                        help='write all compared models with their cross-validation errors as '
+                        'JSON')
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (default: 0)')
     add_params_option(
         parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
@@ -152,16 +153,14 @@ def refuse_same_data(
         if share_data(one, other):
             raise RecordingError(
                 f'every recording must be given once, but {one} holds the same data as {other}: '
-                'parts that are told from themselves prove nothing; leave one of them out'
-            )
+                'parts that are predicted from themselves prove nothing; leave one of them out')
     for tested in held_out:
         for path in fitted:
             if share_data(tested, path):
                 raise RecordingError(
                     f'--holdout {tested} must be another recording than those of the fit, but '
                     f'holds the same data as {path}: a test on the data of the fit proves '
-                    'nothing; hold out another recording, or leave --holdout out'
-                )
+                    'nothing; hold out another recording, or leave --holdout out')
 
 
 def _write(

@@ -23,9 +23,10 @@ from ..diagnosis.arm.text import as_dict, as_text, headline
 from ..diagnosis.fit.beam import as_dict as comparison, Compared
 from ..diagnosis.report.json_report import model_file
 from ..diagnosis.result import Diagnosis
-from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
+from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..kinematics.arm_dynamics import ArmDynamics
+from ..kinematics.description import read_description
 from ..plant.plant_parameters import read_model
 from ..reference.arm_excitation import exciting_trajectory
 
@@ -133,11 +134,3 @@ def comparison_text(compared: Compared | None) -> str:
 def names_of(recordings: Sequence[str]) -> str:
     """Return the title of a report."""
     return ', '.join(Path(path).name for path in recordings)
-
-
-def read_description(path: str) -> str:
-    """Return the text of a robot description."""
-    try:
-        return Path(path).read_text()
-    except UnicodeDecodeError as error:
-        raise ModelFileError(f'{path} must be the text of a URDF file, got other data') from error

@@ -59,11 +59,11 @@ def make_parser() -> Parser:
                         help='skip the page of each recording; writing them takes a fifth of the '
                         'time')
     parser.add_argument('--most-samples', type=int, default=1_000_000, metavar='N',
-                        help='wrenches of a recording that are diagnosed, from its start: a '
-                        "bound of a worker's memory (1000000)")
+                        help='diagnose at most the first N wrenches of a recording, which bounds '
+                        'the memory of a worker (1000000)')
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (0)')
     add_params_option(
-        parser, ', over what recordings hold: for archives recorded without this package')
+        parser, ', which overrides recorded parameters: for archives of other recorders')
     add_source_options(parser)
     add_tare_option(parser)
     return parser

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """`loop`: run plant, estimator and recorder on this machine and summarise the run."""
 
 from __future__ import annotations
@@ -89,8 +88,7 @@ def run(options: Any) -> int:
     if not failure and summary['samples_lost'] == summary['samples_sent']:
         failure = (
             'the estimator used no sample; expected an estimate for each, see the rejected '
-            'samples in /diagnostics of the recording, and check joint and frame_id in --params'
-        )
+            'samples in /diagnostics of the recording, and check joint and frame_id in --params')
         print(f'loop: {failure}', file=sys.stderr)
     return 1 if failure else 0
 
@@ -156,8 +154,7 @@ def _title(summary: Mapping[str, Any]) -> str:
         f'{summary["estimator"]}, law {summary["law"]}: K_e {_number(summary["stiffness"])} N/m '
         f'({_number(summary["stiffness_error_percent"], "+.2f")} %), B_e '
         f'{_number(summary["damping"])} N s/m '
-        f'({_number(summary["damping_error_percent"], "+.2f")} %)'
-    )
+        f'({_number(summary["damping_error_percent"], "+.2f")} %)')
 
 
 def _as_text(summary: Mapping[str, Any]) -> str:

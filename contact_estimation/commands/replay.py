@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from functools import partial
 import gc
 import time
-from typing import Any, Protocol, Sequence
+from typing import Any, Sequence
 
 from .command_line import (
     add_params_option, add_source_options, add_tare_option, as_json, check_outputs,
@@ -19,26 +19,14 @@ from .picture import picture_trace, write_picture
 from .progress import Progress
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from ..estimators import ONLINE_ESTIMATORS
-from ..estimators.estimate import AxesEstimates
-from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ContactEstimationError, ParameterRangeError, UnknownNameError
-from ..pipeline.estimate_files import CsvEstimates, McapEstimates
+from ..pipeline.estimate_files import CsvEstimates, EstimateTrace, McapEstimates
 from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 
 
 _OF_STAMPS = ('stamp_order', 'stamp_bursts', 'clock_offset')
-
-
-class EstimateFile(Protocol):
-    """A file of estimates."""
-
-    def write(self, estimates: Sequence[AxesEstimates]) -> None:
-        """Append the estimates of consecutive samples."""
-
-    def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
-        """Append estimates of three coupled axes."""
 
 
 def make_parser() -> Parser:
@@ -108,7 +96,8 @@ def _cause(options: Any) -> str:
 
 
 def _replay(
-    replay: RecordingReplay, reader: RecordingReader, files: Sequence[EstimateFile]
+    replay: RecordingReplay, reader: RecordingReader,
+    files: Sequence[CsvEstimates | McapEstimates | EstimateTrace],
 ) -> Replayed:
     """Write all estimates and return what the summary needs of them."""
     progress, replayed = Progress('replay'), Replayed()
@@ -130,16 +119,15 @@ def _further(given: Sequence[str]) -> dict[str, str]:
         axis, found, joint = text.partition(':=')
         if not found or not joint:
             raise ParameterRangeError(
-                f'--further must be AXIS:=JOINT, got {text!r}; such as y:=contact_y'
-            )
+                f'--further must be AXIS:=JOINT, got {text!r}; such as y:=contact_y')
         if axis not in ('x', 'y', 'z'):
             raise UnknownNameError.among('axis of --further', axis, ('x', 'y', 'z'))
         chosen[f'further_axes.{axis}.joint'] = joint
     return chosen
 
 
-def _open_files(options: Any, axes: str, stack: ExitStack) -> list[EstimateFile]:
-    files: list[EstimateFile] = []
+def _open_files(options: Any, axes: str, stack: ExitStack) -> list[CsvEstimates | McapEstimates]:
+    files: list[CsvEstimates | McapEstimates] = []
     if options.csv:
         files.append(stack.enter_context(CsvEstimates(new_file(options.csv), axes)))
     if options.output:

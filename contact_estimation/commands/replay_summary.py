@@ -97,8 +97,7 @@ def summary_of(
     if session.matrix.last:
         summary['stiffness_matrix'] = {
             name: value.tolist() if isinstance(value, np.ndarray) else value
-            for name, value in session.matrix.last._asdict().items()
-        }
+            for name, value in session.matrix.last._asdict().items()}
     return summary
 
 
@@ -110,8 +109,7 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
         for reason, count in session.rejected.items())
     return (
         f'no usable sample in {recording}: expected wrenches with joint states at or around '
-        f'their stamps, got {reasons or "none"}; check topics, joint and stamps'
-    )
+        f'their stamps, got {reasons or "none"}; check topics, joint and stamps')
 
 
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
@@ -133,8 +131,7 @@ def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:
     return [
         {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
          'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
-        for found in replay.session.checks.ordered_warnings()
-    ]
+        for found in replay.session.checks.ordered_warnings()]
 
 
 def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:

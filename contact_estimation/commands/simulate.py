@@ -30,9 +30,9 @@ def make_parser() -> Parser:
     """Build the command line of `simulate`."""
     parser = Parser(
         prog='simulate',
-        description='Simulate a model on the command of a recording, interpolated as told and '
-        'sampled at its stamps, or on an experiment. A permanently attached wall without a robot '
-        'is driven by the recorded force.',
+        description='Simulate a model on the command of a recording, sampled at its stamps, or '
+        'on an experiment. A permanently attached wall without a robot is driven by the recorded '
+        'force.',
     )
     parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
@@ -48,8 +48,8 @@ def make_parser() -> Parser:
                         help='seed of all noise (default: that of the model file)')
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
-        help='course of the recorded reference, straight or held, or of the force that drives '
-        'an attached wall (default: straight); `diagnose` reports which one the data support',
+        help='interpolation of the recorded reference (straight or held) or of the force that '
+        'drives an attached wall (default: straight); `diagnose` reports which the data support',
     )
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and what `replay` estimates from them')
@@ -90,8 +90,7 @@ def _new_recording(path: str) -> Path:
     file = Path(path)
     if file.exists():
         raise RecordingError(
-            f'--output {path} exists, and recordings are never overwritten; choose another file'
-        )
+            f'--output {path} exists, and recordings are never overwritten; choose another file')
     return new_file(path)
 
 
@@ -104,14 +103,12 @@ def _simulate_like(model: PlantParameters, signals: RecordedSignals, options: An
                 'other courses are for the force that drives an attached wall')
         start, held = _start(signals), options.between == 'held'
         return simulate_command(
-            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held
-        )
+            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held)
     if model.environment.unilateral:
         raise RecordingError(
             f'{recording} has no reference_trajectory; expected one, because only a permanently '
             'attached wall (environment.unilateral false) can be simulated without a robot; '
-            'choose the topic with --topic reference_trajectory:=/name'
-        )
+            'choose the topic with --topic reference_trajectory:=/name')
     if len(wrench) < 2:
         raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
     return simulate_force(

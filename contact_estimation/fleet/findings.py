@@ -15,7 +15,6 @@ from scipy.stats import fisher_exact, mannwhitneyu, theilslopes
 
 from .table import distinct, Entry
 
-
 Array = NDArray[np.float64]
 
 QUANTITIES = {'stiffness': ('K_e', 'N/m'), 'damping': ('B_e', 'N s/m')}

@@ -27,7 +27,6 @@ from ..recordings.estimation_metadata import from_metadata
 from ..recordings.source import RecordingSource
 from ..texts import printable
 
-
 _LEAST_CONTACT_S = 0.2  # as in the diagnosis
 _VALUES = ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'model_fit')
 

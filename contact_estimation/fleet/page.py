@@ -18,7 +18,6 @@ from .table import Entry
 from ..diagnosis.report import page as diagnosis_page
 from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 
-
 _OUTSIDE = 6.0  # interquartile ranges around the quartiles: values beyond are not shown
 
 

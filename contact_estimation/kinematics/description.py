@@ -12,6 +12,7 @@ from typing import NamedTuple, Sequence
 from xml.etree import ElementTree
 
 from ..exceptions import ModelFileError
+from ..texts import text_file
 
 _WRITTEN = ('friction', 'damping', 'armature')  # the last as MuJoCo means it
 _TURNING = ('revolute', 'continuous')
@@ -52,12 +53,7 @@ def joint_friction(path: str | PathLike[str]) -> dict[str, JointFriction]:
         If the file is no URDF, or a value is no number >= 0.
 
     """
-    try:
-        drives = joint_drives(Path(path).read_text(encoding='utf-8'))
-    except (OSError, UnicodeDecodeError) as error:
-        raise ModelFileError(
-            f'{path} must be a URDF file, got: {error}; write one with diagnose --write-urdf'
-        ) from error
+    drives = joint_drives(read_description(path))
     return {name: JointFriction(*one[:2]) for name, one in drives.items() if any(one[:2])}
 
 
@@ -65,6 +61,17 @@ def link_masses(urdf: str) -> list[str]:
     """Return what a description, which was read before, has as masses of its links."""
     return [one.get('value', '') for one in ElementTree.fromstring(urdf).iterfind(
         'link/inertial/mass')]
+
+
+def read_description(path: str | PathLike[str], name: str = 'robot description') -> str:
+    """Read a URDF file; `name` is what it is called in errors."""
+    try:
+        return text_file(Path(path))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise ModelFileError(
+            f'{name} {path} cannot be read: {reason}; give the path of a URDF, with xacro expanded'
+        ) from error
 
 
 def joint_drives(urdf: str) -> dict[str, tuple[float, ...]]:

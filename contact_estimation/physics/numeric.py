@@ -12,7 +12,6 @@ from typing import Any, Iterator, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Number = TypeVar('Number', float, Any)

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 import numpy as np
 
-from ..exceptions import ModelFileError, ParameterRangeError, UnknownNameError
+from ..exceptions import ParameterRangeError, UnknownNameError
 from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
+from ..kinematics.description import read_description
 from ..kinematics.frame_tree import FrameTree
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..kinematics.poses import matrix_of
@@ -103,16 +103,7 @@ def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> C
 def described_in_file(parameters: EstimationParameters) -> str:
     """Return the robot description of the configured file."""
     path = parameters.robot_description_file
-    if not path:
-        return ''
-    try:
-        return Path(path).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, 'strerror', None) or 'it is no text'
-        raise ModelFileError(
-            f'robot_description_file {path} cannot be read: {reason}; give the path of a URDF, '
-            'with xacro expanded'
-        ) from error
+    return read_description(path, 'robot_description_file') if path else ''
 
 
 NOT_INSTALLED = (

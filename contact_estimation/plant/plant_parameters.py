@@ -16,7 +16,6 @@ from ..parameters import build, group, parameter, ParameterGroup, without
 from ..physics import PhysicsParameters
 from ..physics.numeric import SIGN_VELOCITY
 
-
 PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 """The paper's simulated force sensor: uniform, +-1 N."""
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ..exceptions import SignalShapeError
 from ..reference.setpoints import Reference, ReferenceAt
 
-
 Array = NDArray[np.float64]
 
 _AHEAD, _HERE = 11.0 / 60.0, 1.0 - 22.0 / 60.0  # weights of neighbours and middle

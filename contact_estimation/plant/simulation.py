@@ -25,7 +25,6 @@ from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
 from ..signals.contact_sample import ContactRecording, ContactSample
 
-
 Array = NDArray[np.float64]
 
 

@@ -19,7 +19,6 @@ from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
 from ..reference.setpoints import ReferenceAt
 
-
 State = tuple[float, ...]
 """x [m], v [m/s], then the internal states of the effects."""
 

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Foreign messages and stamps as those that the package expects."""
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import numpy as np
 from .cdr import NS_PER_S
 from .chunk_reader import RecordedMessage
 from .definitions import fresh_typestore
-from .encoding import ForceTorqueEncoder
+from .encoding import WrenchEncoder
 from .source import RecordingSource
 from .table_file import TYPES
 from .topic_names import canonical
@@ -90,7 +89,7 @@ def _wrench(kind: str, field: str | None, definition: str, received: bool, where
         raise RecordingError(
             f'{where} has the type {kind}, which has no stamp; take the time of reception, for '
             'all topics, with --stamps received')
-    encoder, path = ForceTorqueEncoder(''), _path(field, where)
+    encoder, path = WrenchEncoder(''), _path(field, where)
 
     def change(data: bytes, time_ns: int) -> bytes:
         message = store.deserialize_cdr(data, kind)
@@ -105,7 +104,7 @@ def _wrench(kind: str, field: str | None, definition: str, received: bool, where
             raise RecordingError(
                 f'--wrench-field {field!r} must lead to numbers, but in a message on {where} it '
                 f'does not: {error}; it holds: {_listed(store, kind)}') from error
-        return encoder.encode(time_ns, wrench)
+        return encoder.encode(time_ns, *wrench)
 
     return change
 

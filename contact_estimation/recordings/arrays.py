@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Recordings from arrays and to arrays: signals by the names of the columns of a table."""
 
 from __future__ import annotations

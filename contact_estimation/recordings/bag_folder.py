@@ -53,8 +53,7 @@ class OfferedQos:
                 'liveliness': 'automatic',
                 'liveliness_lease_duration': dict(_INFINITE),
                 'avoid_ros_namespace_conventions': False,
-            }
-        ]
+            }]
 
     def as_text(self) -> str:
         """Return the profiles as the YAML text that rosbag2 writes to an MCAP channel."""
@@ -145,13 +144,7 @@ def recording_files(path: Path) -> list[Path]:
     """List the files of a recording in the order in which they were written."""
     if not path.exists():
         raise RecordingError(
-            f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder'
-        )
-    if not path.is_dir() and not path.is_file():
-        raise RecordingError(
-            f'{path} is a pipe or device, expected a regular file, which can be read more than '
-            'once; save it to a file first'
-        )
+            f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder')
     if not path.is_dir():
         return [path]
     information = _information(path / FILE_NAME)
@@ -161,8 +154,7 @@ def recording_files(path: Path) -> list[Path]:
     if len({re.sub(r'_\d+$', '', file.stem) for file in files}) > 1:
         raise RecordingError(
             f'folder {path} holds several recordings ({_content(path)}) and no metadata.yaml; '
-            'expected one recording, whose files differ in a number at the end; give one of them'
-        )
+            'expected one recording, whose files differ in a number at the end; give one of them')
     if files:
         return files
     files = sorted(path.glob('*.db3'), key=lambda file: natural_order(file.name))
@@ -170,8 +162,7 @@ def recording_files(path: Path) -> list[Path]:
         return files
     raise RecordingError(
         f'folder {path} holds no recording: expected metadata.yaml or *.mcap, '
-        f'got {_content(path)}; give an .mcap file or a rosbag2 folder'
-    )
+        f'got {_content(path)}; give an .mcap file or a rosbag2 folder')
 
 
 def needs_rosbags(path: Path) -> bool:
@@ -197,8 +188,7 @@ def _information(path: Path) -> dict[str, Any] | None:
 
 def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
     """Return the files that metadata.yaml lists."""
-    mode = str(information.get('compression_mode') or 'none').lower()
-    if information.get('storage_identifier') == 'sqlite3' or mode != 'none':
+    if str(information.get('compression_mode')).lower() == 'file':
         return [folder]
     # Old versions wrote the folder's name before that of the file.
     files = [folder / PurePosixPath(str(p)).name for p in information['relative_file_paths']]
@@ -206,8 +196,7 @@ def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
     if missing:
         raise RecordingError(
             f'recording {folder} lacks {", ".join(missing)}, which its {FILE_NAME} lists; '
-            f'copy the whole folder, or remove {FILE_NAME} to read what is there'
-        )
+            f'copy the whole folder, or remove {FILE_NAME} to read what is there')
     return files
 
 

@@ -43,8 +43,7 @@ class CdrCursor:
     def __init__(self, raw: bytes) -> None:
         if len(raw) < _ENCAPSULATION or raw[0] != 0 or raw[1] > 1:
             raise ValueError(
-                f'expected plain CDR, which begins with 00 00 or 00 01, got {raw[:2].hex(" ")!r}'
-            )
+                f'expected plain CDR, which begins with 00 00 or 00 01, got {raw[:2].hex(" ")!r}')
         self.raw = raw
         self.byte_order = '<' if raw[1] else '>'
         self.fixed = [(0, 2)]
@@ -110,8 +109,7 @@ class StampedLayout:
         self._constants = (frame_id, _NAN)
         stamp_and_frame = place[4], place[8], len(fields)
         self._values = itemgetter(*stamp_and_frame, *(
-            len(fields) + 1 if offset is None else place[offset] for offset in offsets
-        ))
+            len(fields) + 1 if offset is None else place[offset] for offset in offsets))
         self._table = np.dtype({
             'names': ['sec', 'nanosec', *(str(offset) for offset, _ in wanted)],
             'formats': [order + code for code in ('i4', 'u4', *['f8'] * len(wanted))],

@@ -21,6 +21,7 @@ from ..exceptions import MissingPackageError, RecordingError
 
 _MESSAGE_HEAD = Struct('<BQH4xQ8x')  # opcode, length, channel, log time
 _MESSAGE = int(Opcode.MESSAGE)
+_ZSTANDARD = b'\x28\xb5\x2f\xfd'  # begins what rosbag2 compressed; CDR begins with zero
 LARGEST_CHUNK = 1 << 28
 """Bytes of a decompressed chunk; recorders write some MB, and memory is bounded by one chunk."""
 # Older versions of mcap without it cannot be imported unless both decompressors are installed.
@@ -112,8 +113,7 @@ def read_chunk(content: bytes, channels: Channels) -> list[RecordedMessage] | No
         stream, size = get_chunk_data_stream(_of_stated_size(chunk), validate_crc=True)
     except _NoDecompressor as error:
         raise MissingPackageError.of(
-            chunk.compression, 'reading this compressed recording'
-        ) from error
+            chunk.compression, 'reading this compressed recording') from error
     except RecordingError:
         raise
     except Exception:  # each decompressor has its own exceptions for damaged data
@@ -136,12 +136,40 @@ def _of_stated_size(chunk: Chunk) -> Chunk:
         size, chunk = len(data), replace(chunk, compression='', data=data)
     else:
         return chunk
+    _require_size(size)
+    return chunk
+
+
+def decompressed(messages: list[RecordedMessage]) -> list[RecordedMessage]:
+    """Decompress messages one by one: compression_mode MESSAGE of rosbag2."""
+    if not messages or not messages[0].data.startswith(_ZSTANDARD):
+        return messages
+    if not stream_reader.zstandard:
+        raise MissingPackageError.of('zstandard', 'reading this compressed recording')
+    found, total = [], 0
+    for message in messages:
+        if message.data.startswith(_ZSTANDARD):
+            try:
+                size = stream_reader.zstandard.frame_content_size(message.data)
+                _require_size(total + size)
+                decompressor = stream_reader.zstandard.ZstdDecompressor()
+                data = decompressor.decompress(message.data) if size >= 0 else (
+                    decompressor.stream_reader(message.data).read(LARGEST_CHUNK - total + 1))
+            except stream_reader.zstandard.ZstdError:
+                data = b''  # counted as malformed where it is decoded
+            total += len(data)
+            _require_size(total)
+            message = message._replace(data=data)
+        found.append(message)
+    return found
+
+
+def _require_size(size: int) -> None:
     if size > LARGEST_CHUNK:
         raise RecordingError(
-            f'a chunk of the recording takes {chunk.uncompressed_size >> 20} MiB decompressed, '
+            f'a chunk of the recording takes {size >> 20} MiB decompressed, '
             f'expected at most {LARGEST_CHUNK >> 20} MiB; write smaller chunks with: mcap '
             'compress --chunk-size 4194304')
-    return chunk
 
 
 def parsed(kind: Any, content: bytes) -> Any:

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Columns of tables as signals of the contract: found by name, in SI units."""
 
 from __future__ import annotations
@@ -12,22 +11,28 @@ from typing import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .table import Columns
+from .text_table import Columns
 from ..exceptions import RecordingError
 
 Signals = dict[str, NDArray[np.float64]]
 
-_EPOCH_NS = 1e17  # seconds since 1970 would be beyond it in the year 3e9
-_LENGTHS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3, 'um': 1e-6, 'µm': 1e-6, 'in': 0.0254}
-_UNITS = {
-    **{name: ('motion', factor) for name, factor in _LENGTHS.items()},
+_LAST_NS = 1e9 * 2**31  # stamps have 32 bits for seconds
+_FRACTIONS = {'nano': 1, 'n': 1, 'micro': 1000, 'u': 1000}  # names of parts of a second, in ns
+_SMALL = {'': 1.0, 'm': 1e-3, 'u': 1e-6, 'µ': 1e-6, 'μ': 1e-6, 'n': 1e-9, 'p': 1e-12}
+_UNITS: dict[str, tuple[str, float]] = {
+    **{f'{prefix}{name}': (kind, factor) for prefix, factor in _SMALL.items()
+       for name, kind in (('m', 'motion'), ('N', 'force'), ('s', 'time'), ('sec', 'time'))},
+    'cm': ('motion', 1e-2), 'in': ('motion', 0.0254), 'inch': ('motion', 0.0254),
     'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
-    'n': ('force', 1.0), 'kn': ('force', 1e3), 'mn': ('force', 1e-3), 'kgf': ('force', 9.80665),
-    'gf': ('force', 9.80665e-3), 'lbf': ('force', 4.4482216152605),
-    'nm': ('torque', 1.0), 'nmm': ('torque', 1e-3),
-    's': ('time', 1.0), 'ms': ('time', 1e-3), 'us': ('time', 1e-6), 'ns': ('time', 1e-9),
+    'kN': ('force', 1e3), 'kgf': ('force', 9.80665), 'gf': ('force', 9.80665e-3),
+    'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
+    'Nm': ('torque', 1.0), 'Nmm': ('torque', 1e-3),
 }
 """What a unit measures, and its factor to SI."""
+
+# At the end of a name: z [mm], v (mm/s), z / mm, z in mm, z_mm.
+_UNIT = re.compile(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]$'
+                   rf'|(?:\s*[/,_]\s*|\s+in\s+)({"|".join(_UNITS)})$', re.IGNORECASE)
 
 _RATES = ('velocity', 'acceleration', 'effort')
 _KEY = re.compile(
@@ -48,7 +53,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r't|time|timestamp', 't'),
     (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds)', 't'),
     (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
-    (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
+    (r'(?:(?:actual_)?tcp_)?force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
     (r'f|fn|force|load|(?:contact|normal)_force', 'wrench.force.x'),
@@ -112,6 +117,11 @@ def signals_of_columns(
     for key, source in sources.items():
         if key != 't':
             name = source.removeprefix('-') if source not in columns else source
+            count, text = columns.odd.get(name, (0, ''))
+            if 2 * count > len(columns[name]):
+                raise RecordingError(
+                    f'column {name!r} of {where} must hold numbers, got {count} other texts, the '
+                    f'first {text[:40]!r}; choose another with --columns {key}=COLUMN')
             factor = _factor(key, name, general) * (1.0 if source in columns else -1.0)
             signals[key] = factor * columns[name].astype(np.float64)
     stamp_ns = _stamps(sources['t'], columns, general, len(next(iter(columns.values()))))
@@ -150,8 +160,7 @@ def _rank_and_key(name: str) -> tuple[int, str]:
     """Return the place in `_NAMES` of what a name means, and the signal; '' for none."""
     if is_key(name):
         return -1, name
-    plain = re.sub(r'\W+', '_', re.sub(r'[\[(]\s*[^\d\s\[\]()]+\s*[\])]', '', name.lower()))
-    plain = re.sub(r'_(s|ms|us|ns|m|mm|n|nm|rad|deg)$', '', plain.strip('_')).strip('_')
+    plain = re.sub(r'\W+', '_', _UNIT.sub('', name.lower().strip())).strip('_')
     plain = re.sub(r'(_(?:measurement|measured|value|reading|signal|channel))+$', '', plain)
     for rank, (pattern, key) in enumerate(_NAMES):
         match = re.fullmatch(pattern, plain)
@@ -166,24 +175,28 @@ def _general(units: Sequence[str]) -> dict[str, float]:
     """Return the factor of each quantity from the units given for all columns."""
     general = {}
     for unit in units:
-        if unit.lower() not in _UNITS:
+        found = _unit(unit)
+        if found is None:
             raise RecordingError(
                 f'--units must list units such as mm,N,s, got {unit!r}; known: '
-                f'{", ".join(_UNITS)} (in any case)')
-        kind, factor = _UNITS[unit.lower()]
-        general[kind] = factor
+                f'{", ".join(_UNITS)}')
+        general[found[0]] = found[1]
     return general
+
+
+def _unit(name: str, kind: str = '') -> tuple[str, float] | None:
+    """Return what a unit measures, and its factor; case counts only where nm is not Nm."""
+    names = [one for one in _UNITS if one.lower() == name.lower() and kind in ('', _UNITS[one][0])]
+    return _UNITS[name if name in names else names[0]] if names else None
 
 
 def _factor(key: str, name: str, general: Mapping[str, float]) -> float:
     """Return the factor of a column to SI: by the unit in its name, else the general one."""
     kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque') or is_effort(key)
             else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
-    unit = re.search(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]\s*$|_([a-z]+)$', name.lower())
-    own = _UNITS.get((unit[1] or unit[2]) if unit else '')
-    if own and own[0] == kind and (unit and unit[1] or not is_key(name)):
-        return own[1]
-    return general.get(kind, 1.0)
+    match = None if is_key(name) else _UNIT.search(name.strip())
+    own = _unit(match[1] or match[2], kind) if match else None
+    return own[1] if own else general.get(kind, 1.0)
 
 
 def _stamps(
@@ -194,12 +207,23 @@ def _stamps(
         return np.rint(np.arange(count) * 1e9 / float(source[:-2])).astype(np.int64)
     column = columns[source]
     factor = 1e9 * _factor('t', source, general)
-    if np.nanmax(column) > _EPOCH_NS:
-        factor = 1.0
-    known = np.isfinite(column)
+    time = np.where(np.abs(column) < 1e22, column, np.inf)
+    while 1e20 < factor * np.median(time) < np.inf:
+        factor /= 1000.0  # ms, us or ns: no recording is of the year 5000
+    near = time * factor
+    near -= min(0.0, near.min(where=np.abs(near) < _LAST_NS, initial=0.0))
+    known = (near >= 0.0) & (near < _LAST_NS)
+    if not known.any():
+        raise RecordingError(
+            f'column {source!r} holds no time: expected seconds or dates such as 2026-01-31 '
+            '12:00:00.5; choose with --columns t=COLUMN, or without one t=500Hz')
     exact = column.dtype.kind == 'i' and abs(factor - round(factor)) < 1e-6
     stamp_ns: NDArray[np.int64] = column * round(factor) if exact else np.rint(
         np.where(known, column, 0.0) * factor).astype(np.int64)
-    stamp_ns = stamp_ns - min(0, int(stamp_ns[known].min(initial=0)))
-    stamp_ns[~known] = -1
-    return stamp_ns
+    for prefix, unit_ns in _FRACTIONS.items():  # the sec and nanosec of ROS
+        name = re.sub(r'(?=(?:sec|second)s?$)', prefix, source)
+        part = np.nan_to_num(columns[name] if name in columns and name != source else 0) * unit_ns
+        if np.all((part >= 0) & (part < 1e9)):
+            stamp_ns = stamp_ns + np.rint(part).astype(np.int64)
+    stamp_ns = stamp_ns - min(0, int(stamp_ns[known].min()))
+    return np.where(known, stamp_ns, -1)

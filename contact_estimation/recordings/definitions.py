@@ -58,7 +58,6 @@ def message_definition(type_name: str) -> MessageDefinition:
     if type_name not in store.fielddefs:
         raise RecordingError(
             f'cannot record message type {type_name!r}: expected a type of the ROS 2 Jazzy '
-            "distribution, written like 'geometry_msgs/msg/WrenchStamped'"
-        )
+            "distribution, written like 'geometry_msgs/msg/WrenchStamped'")
     text, _ = store.generate_msgdef(type_name, ros_version=2)
     return MessageDefinition(text, store.hash_rihs01(type_name))

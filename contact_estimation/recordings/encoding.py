@@ -20,7 +20,7 @@ _LITTLE_ENDIAN = b'\0\1\0\0'
 _FLOAT64 = Struct('<4sd')
 _STAMPED = Struct('<4siI')
 _PAIR = Struct('<2I')
-_TORQUE = Struct('<3d')
+_TORQUE, _NO_TORQUE = Struct('<3d'), bytes(24)
 _ONE = (1).to_bytes(4, 'little')  # length of a sequence of one element
 
 
@@ -37,26 +37,15 @@ class Vector3StampedEncoder:
 
 
 class WrenchEncoder:
-    """Write geometry_msgs/msg/WrenchStamped with zero torque."""
-
-    def __init__(self, frame_id: str) -> None:
-        self._force = Vector3StampedEncoder(frame_id)
-
-    def encode(self, stamp_ns: int, fx: float, fy: float, fz: float) -> bytes:
-        """Return the message with this stamp [ns] and force [N]."""
-        return self._force.encode(stamp_ns, fx, fy, fz) + bytes(24)
-
-
-class ForceTorqueEncoder:
     """Write geometry_msgs/msg/WrenchStamped."""
 
     def __init__(self, frame_id: str) -> None:
         self._force = Vector3StampedEncoder(frame_id)
 
-    def encode(self, stamp_ns: int, wrench: Sequence[float]) -> bytes:
-        """Return the message with this stamp [ns], force [N] and torque [N m]."""
-        x, y, z, *torque = wrench
-        return self._force.encode(stamp_ns, x, y, z) + _TORQUE.pack(*torque)
+    def encode(self, stamp_ns: int, fx: float, fy: float, fz: float, *torque: float) -> bytes:
+        """Return the message with this stamp [ns], force [N] and torque [N m], zero by default."""
+        return self._force.encode(stamp_ns, fx, fy, fz) + (
+            _TORQUE.pack(*torque) if torque else _NO_TORQUE)
 
 
 class JointStateEncoder:
@@ -72,8 +61,7 @@ class JointStateEncoder:
         """Return the message with this stamp [ns], position [m] and velocity [m/s]."""
         values = (1, velocity, 0) if self._with_velocity else (0, 0)
         return self._pack(
-            _LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, position, *values
-        )
+            _LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, position, *values)
 
 
 class TrajectoryEncoder:

@@ -26,5 +26,4 @@ def from_metadata(records: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
     except ValueError as error:
         raise RecordingError(
             f'metadata record {RECORD!r} must hold JSON values, got an unreadable one: {error}; '
-            'write a copy without it by `convert`, to CSV and back'
-        ) from error
+            'write a copy without it by `convert`, to CSV and back') from error

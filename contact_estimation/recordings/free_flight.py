@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """The zero of the force in a recording: its level in free flight."""
 
 from __future__ import annotations

@@ -19,10 +19,8 @@ from .chunk_reader import Channels, parsed, read_chunk, RecordedMessage, walk
 from .mcap_records import ENDS, MAGIC, read_summary, Record, RECORD_HEAD, RecordScanner, Summary
 from .topic_names import canonical
 from ..exceptions import RecordingError
-from ..texts import LFS_POINTER
 
 _BLOCK = 1 << 20
-_LFS = LFS_POINTER.encode()
 _LOOSE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 _TIMES = Struct('<QQ')  # of the first and last message of a chunk
 
@@ -44,7 +42,7 @@ class McapFile:
         self.damaged = self.hidden = 0
         self.definitions: dict[str, str] = {}
         with _opened(path) as stream:
-            start = stream.read(len(_LFS))
+            start = stream.read(len(MAGIC))
             self.size = stream.seek(0, 2)
             _require_magic(path, start, self.size)
             self.summary = read_summary(stream, self.size)
@@ -163,22 +161,14 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
     if size == 0:
         raise RecordingError(
             f'recording {path} is empty (0 bytes), expected an MCAP file; '
-            'it was stopped before its first message: record again'
-        )
-    if start == _LFS:
-        raise RecordingError(
-            f'{path} is a Git LFS pointer of {size} bytes, expected the recording itself; get it '
-            'with: git lfs pull'
-        )
+            'it was stopped before its first message: record again')
     if start.startswith(b'#ROSBAG'):
         raise RecordingError(
             f'recording {path} is a ROS 1 bag, expected an MCAP file; '
-            f'convert it with: rosbags-convert --src {path} --dst NEW_FOLDER --dst-storage mcap'
-        )
+            f'convert it with: rosbags-convert --src {path} --dst NEW_FOLDER --dst-storage mcap')
     raise RecordingError(
         f'{path} is no MCAP file: expected it to begin with {MAGIC!r}, got {start[:8]!r}; '
-        'give a .mcap file or a rosbag2 folder'
-    )
+        'give a .mcap file or a rosbag2 folder')
 
 
 @contextmanager
@@ -190,8 +180,7 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
     except OSError as error:
         raise RecordingError(
             f'cannot read recording {path}: {error.strerror}; give an existing .mcap file or '
-            'rosbag2 folder and check disk and permissions'
-        ) from error
+            'rosbag2 folder and check disk and permissions') from error
 
 
 class GrowingRecording:

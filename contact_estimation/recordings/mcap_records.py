@@ -226,12 +226,10 @@ def _collected(records: Iterable[McapRecord]) -> Summary:
             start = record.chunk_start_offset
             end = start + record.chunk_length
             found.chunks.append(ChunkPlace(
-                start, end, end + record.message_index_length, known.setdefault(present, present)
-            ))
+                start, end, end + record.message_index_length, known.setdefault(present, present)))
         elif isinstance(record, MetadataIndex):
             found.metadata.append(Record(
-                int(Opcode.METADATA), record.offset, record.offset + record.length
-            ))
+                int(Opcode.METADATA), record.offset, record.offset + record.length))
         elif isinstance(record, Statistics):
             statistics = record
     found.chunks.sort()
@@ -239,8 +237,7 @@ def _collected(records: Iterable[McapRecord]) -> Summary:
         channels = {record.id for record in found.descriptions if isinstance(record, Channel)}
         counts = len(channels), len(found.chunks), len(found.metadata)
         found.complete = counts == (
-            statistics.channel_count, statistics.chunk_count, statistics.metadata_count
-        )
+            statistics.channel_count, statistics.chunk_count, statistics.metadata_count)
         if statistics.message_count:
             found.span_ns = statistics.message_start_time, statistics.message_end_time
     return found

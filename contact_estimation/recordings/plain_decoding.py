@@ -6,10 +6,12 @@
 from __future__ import annotations
 
 from struct import unpack_from
-from typing import Any, NamedTuple, Sequence
+from typing import Any, Callable, NamedTuple, Sequence, TypeVar
 
 from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
 from .readings import WrenchReading
+
+Content = TypeVar('Content')
 
 
 class WrenchDecoder:
@@ -17,7 +19,7 @@ class WrenchDecoder:
 
     def __init__(self) -> None:
         self.frame_id = ''
-        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _wrench_offsets)
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _numbers(6, 3))
 
     def decode(self, raw: bytes) -> WrenchReading:
         """Read one message."""
@@ -43,7 +45,7 @@ class ForceTorqueDecoder:
 
     def __init__(self) -> None:
         self.frame_id = ''
-        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _force_torque_offsets)
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _numbers(6))
 
     def decode(self, raw: bytes) -> tuple[int, tuple[float, ...]]:
         """
@@ -59,7 +61,7 @@ class Vector3StampedDecoder:
     """Read geometry_msgs/msg/Vector3Stamped."""
 
     def __init__(self) -> None:
-        self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _vector_offsets)
+        self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _numbers(3))
 
     def decode(self, raw: bytes) -> tuple[int, float, float, float]:
         """Read one message; returns stamp_ns, x, y, z: stamp [ns] and vector."""
@@ -67,26 +69,14 @@ class Vector3StampedDecoder:
         return sec * NS_PER_S + nanosec, x, y, z
 
 
-def _wrench_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find the force: header, force (x, y, z), torque (x, y, z)."""
-    force = cursor.doubles(3)
-    cursor.doubles(3)  # torque
-    cursor.finish()
-    return force
+def _numbers(count: int, wanted: int | None = None) -> Callable[[CdrCursor], Sequence[int]]:
+    """Return what finds the first of the numbers that follow the header."""
+    def offsets(cursor: CdrCursor) -> Sequence[int]:
+        places = cursor.doubles(count)[:wanted]
+        cursor.finish()
+        return places
 
-
-def _force_torque_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find force and torque."""
-    wrench = cursor.doubles(6)
-    cursor.finish()
-    return wrench
-
-
-def _vector_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find the vector: header, vector (x, y, z)."""
-    vector = cursor.doubles(3)
-    cursor.finish()
-    return vector
+    return offsets
 
 
 FLOAT64_TYPE = 'std_msgs/msg/Float64'
@@ -95,24 +85,26 @@ STRING_TYPE = 'std_msgs/msg/String'
 
 def decode_float64(raw: bytes) -> float:
     """Read std_msgs/msg/Float64."""
-    try:
-        cursor = CdrCursor(raw)
-        (begin,) = cursor.doubles(1)
-        cursor.finish()
-    except ValueError as error:
-        raise malformed(raw, FLOAT64_TYPE, error) from error
-    return float(unpack_from(cursor.byte_order + 'd', raw, begin)[0])
+    def read(cursor: CdrCursor) -> float:
+        return float(unpack_from(cursor.byte_order + 'd', raw, *cursor.doubles(1))[0])
+
+    return _whole(raw, FLOAT64_TYPE, read)
 
 
 def decode_string(raw: bytes) -> str:
     """Read std_msgs/msg/String."""
+    return _whole(raw, STRING_TYPE, CdrCursor.text)
+
+
+def _whole(raw: bytes, type_name: str, read: Callable[[CdrCursor], Content]) -> Content:
+    """Read a whole message."""
     try:
         cursor = CdrCursor(raw)
-        text = cursor.text()
+        content = read(cursor)
         cursor.finish()
     except ValueError as error:
-        raise malformed(raw, STRING_TYPE, error) from error
-    return text
+        raise malformed(raw, type_name, error) from error
+    return content
 
 
 DIAGNOSTICS_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
@@ -129,15 +121,12 @@ class DiagnosticReading(NamedTuple):
 
 def decode_diagnostics(raw: bytes) -> list[DiagnosticReading]:
     """Read diagnostic_msgs/msg/DiagnosticArray."""
-    try:
-        cursor = CdrCursor(raw)
+    def read(cursor: CdrCursor) -> list[DiagnosticReading]:
         cursor.skip(8, 4)  # stamp
         cursor.text()
-        statuses = [_status(cursor) for _ in range(cursor.length())]
-        cursor.finish()
-    except ValueError as error:
-        raise malformed(raw, DIAGNOSTICS_TYPE, error) from error
-    return statuses
+        return [_status(cursor) for _ in range(cursor.length())]
+
+    return _whole(raw, DIAGNOSTICS_TYPE, read)
 
 
 def _status(cursor: CdrCursor) -> DiagnosticReading:

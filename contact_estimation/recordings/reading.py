@@ -10,7 +10,7 @@ from typing import Collection, Iterator
 
 from .adaptation import changed, changes_of
 from .bag_folder import needs_rosbags, recording_files
-from .chunk_reader import RecordedMessage
+from .chunk_reader import decompressed, RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
 from .source import RecordingSource
@@ -18,6 +18,7 @@ from .table import is_table
 from .table_file import TableFile
 from .topic_names import canonical, require_topics
 from ..exceptions import RecordingError
+from ..texts import require_content
 
 __all__ = ['RecordedMessage', 'RecordingReader']
 
@@ -101,13 +102,11 @@ class RecordingReader:
                     f'recording {self.path} has {hidden} damaged stretches, and what describes '
                     f'{", ".join(topics)} is in none that can be read (there: '
                     f'{", ".join(types) or "no topic"}); use another copy of the file, or '
-                    'recover it with: mcap recover'
-                )
+                    'recover it with: mcap recover')
             if self.truncated and not types:
                 raise RecordingError(
                     f'recording {self.path} must hold messages, but it ends before the first '
-                    'topic; end the recorder before copying its file, or record again'
-                )
+                    'topic; end the recorder before copying its file, or record again')
             require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
             changes = changes_of(
@@ -122,6 +121,13 @@ class RecordingReader:
                      if type_name in file.definitions), '')
 
     def _opened(self, file: Path) -> McapFile | RosbagsFile | TableFile:
+        try:
+            if not file.is_dir():
+                require_content(file)
+        except (OSError, ValueError) as error:
+            raise RecordingError(
+                f'cannot read recording {file}: {getattr(error, "strerror", error)}; give an '
+                'existing .mcap file, rosbag2 folder or table') from error
         if is_table(file):
             return TableFile(file, self._source)
         return RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
@@ -131,7 +137,7 @@ class RecordingReader:
         for file in self._files:
             file.position = file.damaged = 0
         for file in self._files:
-            yield from file.batches(wanted)
+            yield from map(decompressed, file.batches(wanted))
 
     def _time_spans(self) -> list[tuple[int, int]]:
         """Collect the time spans of the files that have one."""

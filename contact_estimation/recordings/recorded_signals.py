@@ -82,8 +82,7 @@ def read_rows(
         if not len(signal):
             raise RecordingError(
                 f'no usable message on {name} in {reader.path}: expected finite values with '
-                f'stamps, got none{refused.get(name, "")}; check topic, axis and joint'
-            )
+                f'stamps, got none{refused.get(name, "")}; check topic, axis and joint')
     return signals
 
 

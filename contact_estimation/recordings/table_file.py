@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Tables as recordings: rows become messages, messages become rows."""
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
-from .encoding import encode_arm, ForceTorqueEncoder
+from .encoding import encode_arm, WrenchEncoder
 from .mcap_records import Summary
 from .source import RecordingSource
 from .table import read_columns
@@ -41,6 +40,9 @@ class TableFile:
         columns, where = read_columns(path), f'table {path}'
         stamp_ns, signals = signals_of_columns(columns, source.columns, source.units, where)
         self.columns = columns_of_signals(columns, source.columns, where)
+        for key, column in self.columns.items():
+            if odd := columns.odd.get(column.removeprefix('-')):
+                self.columns[key] += f' ({odd[0]} cells hold no number, the first {odd[1][:40]!r})'
         order = np.argsort(stamp_ns, kind='stable')
         self._stamp_ns = stamp_ns[order]
         self._topics = {getattr(source, name): (TYPES[name], encode, rows[order]) for name, (
@@ -89,7 +91,8 @@ def messages_of(
     found: dict[str, Any] = {}
     if present:
         force[np.isnan([signals[key] for key in present]).any(axis=0)] = nan
-        found['wrench'] = ForceTorqueEncoder('').encode, force
+        wrenches = WrenchEncoder('')
+        found['wrench'] = lambda stamp_ns, row: wrenches.encode(stamp_ns, *row), force
     for topic, kind in (('joint_states', 'joint'), ('reference_trajectory', 'reference')):
         names = [key[len(kind) + 1:] for key in signals if key.startswith(f'{kind}.')
                  and not key.endswith(tuple('.' + rate for rate in RATES[kind]))]

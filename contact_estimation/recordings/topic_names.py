@@ -32,8 +32,7 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     raise RecordingError(
         f'{where} has no topic {", ".join(canonical(topic) for topic in missing)}; it has: '
         f'{there}; say which one to read with --topic {role}:='
-        f'{_nearest(missing[0], types)}{likewise}'
-    )
+        f'{_nearest(missing[0], types)}{likewise}')
 
 
 def _nearest(topic: str, types: Mapping[str, str]) -> str:

@@ -173,8 +173,7 @@ class RecordingWriter:
             if entry.type_name != type_name:
                 raise RecordingError(
                     f'topic {topic!r} is recorded as {entry.type_name}, got a {type_name}; '
-                    'record it under another name'
-                )
+                    'record it under another name')
             published = log_time_ns if publish_time_ns is None else publish_time_ns
             self._chunks.add_message(entry.channel, log_time_ns, published, data)
             entry.message_count += 1
@@ -219,13 +218,11 @@ class RecordingWriter:
             self._chunks.close()
             return
         information = bag_information(
-            self.path.name, self._topics.values(), *(self._span_ns or (0, 0))
-        )
+            self.path.name, self._topics.values(), *(self._span_ns or (0, 0)))
         self._chunks.flush()
         # rosbag2 keeps a copy of metadata.yaml in the file, for `ros2 bag info FILE`.
         self._chunks.add_metadata(
-            'rosbag2', {'serialized_metadata': yaml.safe_dump(information, sort_keys=False)}
-        )
+            'rosbag2', {'serialized_metadata': yaml.safe_dump(information, sort_keys=False)})
         self._chunks.close()
         write_bag_metadata(self._bag_folder, information)
 
@@ -256,12 +253,10 @@ class RecordingWriter:
             except OSError as error:
                 raise RecordingError(
                     f'cannot write to recording {self.path}: {error.strerror}; what was written '
-                    'before can be read'
-                ) from error
+                    'before can be read') from error
 
 
 def _exists(path: Path) -> RecordingError:
     """Explain that nothing is overwritten."""
     return RecordingError(
-        f'{path} exists and recordings are never overwritten; choose another output or remove it'
-    )
+        f'{path} exists and recordings are never overwritten; choose another output or remove it')

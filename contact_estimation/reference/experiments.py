@@ -15,7 +15,6 @@ from .experiment import Excitation, Experiment, Multisine, PseudoRandomBinary, S
 from ..exceptions import ModelFileError, UnknownNameError
 from ..texts import yaml_file
 
-
 _LONGEST_S = 86400.0
 _SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}
 _EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {

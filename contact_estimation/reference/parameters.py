@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Parameters of the reference: conversion of forces into positions, and limits."""
 
 from __future__ import annotations

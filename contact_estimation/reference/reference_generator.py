@@ -61,7 +61,6 @@ LAWS: dict[str, Compliance | None] = {
 }
 """Compliance by name of the law; None: x_d passes through, whatever F_r is."""
 
-
 _new = tuple.__new__  # of a named tuple: half the time of a call of its class
 
 

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-
 """Which impedance or admittance is stable on a wall, with delay and sampling."""
 
 from __future__ import annotations

@@ -24,7 +24,6 @@ from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
 from ..pipeline.session import ContactSession
 from ..recordings.transforms import TRANSFORMS_TYPE
 
-
 REVOLUTE = 'revolute_joint'
 
 

@@ -19,7 +19,7 @@ from ..pipeline.arm_outputs import CompensatedWrench, TargetPose
 from ..pipeline.axes import encode_matrices, MATRIX_TOPICS, Result
 from ..pipeline.wall_law import WallLawNews
 from ..recordings.encoding import (
-    encode_float64, encode_string, ForceTorqueEncoder, TrajectoryEncoder, Vector3StampedEncoder)
+    encode_float64, encode_string, TrajectoryEncoder, Vector3StampedEncoder, WrenchEncoder)
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,
@@ -79,7 +79,7 @@ class EstimatePublishers:
         self.frame_id, self._further_axes = frame_id, axes[1:]
         self._places = ['xyz'.index(axis) for axis in axes]
         self._vectors = Vector3StampedEncoder(frame_id)
-        self._wrenches = ForceTorqueEncoder(frame_id)
+        self._wrenches = WrenchEncoder(frame_id)
         self._trajectories = TrajectoryEncoder(frame_id, self._joint)
 
     def look_for_subscribers(self) -> None:
@@ -111,7 +111,7 @@ class EstimatePublishers:
             self._publishers['model_fit'].publish(encode_float64(estimate.model_fit))
         if self._wrench_wanted and self.compensated is not None and result.arm is not None:
             self._of_contact.publish(
-                self._wrenches.encode(stamp_ns, self.compensated.take(stamp_ns, result.arm)))
+                self._wrenches.encode(stamp_ns, *self.compensated.take(stamp_ns, result.arm)))
         self.publish_status(estimate.status.value, self._reason(result))
 
     def publish_matrices(self, estimate: MatrixEstimate) -> None:

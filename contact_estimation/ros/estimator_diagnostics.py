@@ -22,7 +22,6 @@ from ..pipeline.checks.stream_checks import graph_warnings
 from ..pipeline.session import ContactSession
 from ..pipeline.wall_law import laws_in_words, ModelFitMonitor
 
-
 _EVERY_S = 1.0
 _OTHER_JOINTS = 'joint_states_joint_unknown'
 

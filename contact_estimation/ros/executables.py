@@ -39,7 +39,6 @@ plant_node = _executable('plant_node')
 recorder_node = _executable('recorder_node')
 watch_node = _executable('watch_node')
 
-
 if __name__ == '__main__':
     if len(sys.argv) < 2 or sys.argv[1] not in NODES:
         print(f'expected one of {", ".join(NODES)}, got {sys.argv[1:2]}', file=sys.stderr)

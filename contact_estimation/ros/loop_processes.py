@@ -26,7 +26,6 @@ from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.parameters import refuse_double_tracking
 
-
 _LONGEST_S = 1e6
 _RELIABLY = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
              for topic in ('wrench', 'joint_states', 'desired_trajectory')}

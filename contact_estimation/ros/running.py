@@ -25,7 +25,6 @@ from ..exceptions import ContactEstimationError
 from ..parameters import ParameterSpecification, value_text
 from ..pipeline.parameters import EstimationParameters
 
-
 _AGAIN_S = 10.0  # a warning that stays is repeated after this time
 _QUIET_S = 1.0  # between two changes of state
 

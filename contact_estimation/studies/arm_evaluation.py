@@ -33,7 +33,6 @@ from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
 
-
 _TARE_S = 2.5  # in free flight, before the first touch
 _CASES = (
     ('kalman', 'load and inertia'), ('kalman', 'load only'), ('kalman', 'tare only'),

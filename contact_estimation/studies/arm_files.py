@@ -22,7 +22,6 @@ from ..recordings import RecordingWriter
 from ..recordings.definitions import jazzy_typestore
 from ..recordings.encoding import encode_string, TrajectoryEncoder
 
-
 FORCE_BIAS, TORQUE_BIAS = (2.0, -1.5, 3.0), (0.05, -0.1, 0.08)  # [N], [N m]
 FORCE_NOISE, TORQUE_NOISE = 0.15, 0.01  # [N], [N m]
 _POSITION_NOISE, _VELOCITY_NOISE = 5e-6, 5e-4  # [rad], [rad/s]

@@ -13,7 +13,6 @@ import numpy as np
 from .arm_models import Arm, Array, mujoco, mujoco_model, TIP
 from ..kinematics.tool_load import cross_matrix
 
-
 MOVE_S = 1.0
 _TOUCHES = ((0.016, 2.4), (0.022, 4.0), (0.028, 4.0))  # depth of x_r [m], duration [s]
 _FREE_S = 3.0  # before the first touch

@@ -26,7 +26,6 @@ from ..plant.plant_parameters import PlantParameters, SensorParameters, WallPara
 from ..plant.simulation import simulate_experiment, write_simulation
 from ..reference.experiment import Experiment, Multisine, Segment
 
-
 ROBOTS = ('robot_a', 'robot_b', 'robot_c')
 WORN, RUBBING = 'robot_b', 'robot_c'
 WEAR = 0.002  # of the stiffness, per recording of the robot
@@ -118,7 +117,6 @@ def _incomplete_bag(path: Path) -> None:
 
 
 _BREAKERS: tuple[Callable[[Path], None], ...] = (_empty, _text, _only_start, _incomplete_bag)
-
 
 _GROUPS = '(robot_[a-z])/'
 _LEAST_RECORDINGS = 12

@@ -10,7 +10,6 @@ from math import inf, nan
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .measuring import print_table
 from ..commands.command_line import as_json, command, Parser, write_results
@@ -24,50 +23,11 @@ from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiments import experiment_named
 from ..signals.contact_sample import ContactSample
 
-
-class LagEvidence(NamedTuple):
-    """Chi-squared of what a lagged force leaves beside other explanations of it."""
-
-    over_wall: float  # beside another stiffness, damping and location of the wall
-    over_mass: float  # the same and a mass that moves with the wall
-
-
-def lag_evidence(
-    t: NDArray[np.float64], x: NDArray[np.float64], v: NDArray[np.float64],
-    contact: NDArray[np.bool_], wall: tuple[float, float], lag_s: float, noise_std: float,
-) -> LagEvidence:
-    """
-    Return the evidence of a lag in a motion, with all else of the wall unknown.
-
-    No check that allows for another wall can do better: this one knows the noise, and tries one
-    lag alone.
-
-    t, x, v (N,): time [s], position [m] and rate [m/s]
-    contact (N,): samples that count
-    wall: True K_e [N/m] and B_e [N s/m]
-    lag_s: of the force, positive if it comes late [s]
-    noise_std: of the force [N]
-    """
-    late = np.interp(t - lag_s, t, x), np.interp(t - lag_s, t, v)
-    force = (wall[0] * late[0] + wall[1] * late[1])[contact]
-    explained = np.stack([x, v, np.ones(len(t)), np.gradient(v, t)], 1)[contact]
-    return LagEvidence(*(
-        _left(force, explained[:, :columns]) / noise_std**2 for columns in (3, 4)))
-
-
-def _left(force: NDArray[np.float64], columns: NDArray[np.float64]) -> float:
-    """Return the sum of squares that no combination of the columns explains."""
-    columns = columns / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-15)
-    rest = force - columns @ np.linalg.lstsq(columns, force, rcond=None)[0]
-    return float(rest @ rest)
-
-
 EXPERIMENTS = ('sine', 'prbs', 'multisine', 'none', 'rich')
 WALLS = ((1000.0, 40.0), (5000.0, 100.0), (4800.0, 200.0), (20000.0, 200.0))
 _DURATION_S = 12.0
 _IN_TIME_S = 2.0
 _NS = 1_000_000
-_NOISE_STD = 3**-0.5  # of PAPER_NOISE [N]
 # True of the motion that was chosen: it warns of no mistake in the inputs.
 _ADVICE = ('surface_unchecked',)
 _OF_ROWS = ('joint_rate', 'sample_rate')  # no mistakes where rates are measured
@@ -95,7 +55,6 @@ class Mistake(NamedTuple):
     expected: tuple[str, ...]  # names of checks; one of them must warn
     change: Change  # from number and message to the wrong message
     parameters: Mapping[str, Any] = {}  # of the estimator
-    lag_s: float = 0.0  # of the wrench [s]
 
 
 def _moved(metres: float) -> Change:
@@ -106,8 +65,7 @@ def _late(milliseconds: int) -> Mistake:
     return Mistake(
         f'wrench {abs(milliseconds)} ms {"late" if milliseconds > 0 else "early"}',
         ('stamp_skew', 'stamp_skew_or_mass'),
-        lambda k, m: m._replace(wrench_ns=m.wrench_ns + milliseconds * _NS),
-        lag_s=milliseconds * 1e-3)
+        lambda k, m: m._replace(wrench_ns=m.wrench_ns + milliseconds * _NS))
 
 
 def _in_bursts(k: int, message: Message) -> Message:
@@ -239,28 +197,10 @@ def _print_times(examples: Sequence[_Example], times: Sequence[Sequence[float]])
         {'mistake': mistake.text, 'check': mistake.expected[0],
          **{one.title: _seconds(t) for one, t in zip(examples, row)}}
         for mistake, row in zip(MISTAKES, times)])
-    lags = [
-        {'mistake': mistake.text, 'loop': one.title, **_evidence(one.samples, mistake.lag_s)}
-        for mistake, row in zip(MISTAKES, times) if mistake.lag_s
-        for one, t in zip(examples, row) if t > _IN_TIME_S]
-    if lags:
-        print_table(f'chi-squared of what is late, in the first {_IN_TIME_S:g} s of contact', lags)
     late = sum(t > _IN_TIME_S for row in times for t in row)
     print(f'{late} of {sum(map(len, times))} mistakes not reported within {_IN_TIME_S:g} s of '
           'contact')
     return late
-
-
-def _evidence(samples: Sequence[ContactSample], lag_s: float) -> dict[str, str]:
-    """Return how clearly these samples can show a lag, beside another wall or a mass."""
-    t, x, v, force = np.array([(s.stamp_ns * 1e-9, s.position, s.velocity, s.force)
-                               for s in samples]).T
-    touch_s = _touch_ns(samples) * 1e-9
-    seen = slice(np.searchsorted(t, touch_s - 0.2), np.searchsorted(t, touch_s + _IN_TIME_S))
-    found = lag_evidence(t[seen], x[seen], v[seen], force[seen] < -4.0 * _NOISE_STD, WALLS[1],
-                         lag_s, _NOISE_STD)
-    return {'beside another wall': f'{found.over_wall:.0f}',
-            'beside a mass': f'{found.over_mass:.0f}'}
 
 
 def _touch_ns(samples: Sequence[ContactSample]) -> int:

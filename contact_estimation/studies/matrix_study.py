@@ -129,7 +129,7 @@ class Score(NamedTuple):
     B_inside: float
     normal_inside: float
     friction_inside: float
-    told: float  # 1 where the reason names friction
+    friction_named: float  # 1 where the reason names friction
 
 
 def estimate_of(world: MatrixWorld) -> MatrixEstimate:

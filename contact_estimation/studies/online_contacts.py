@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from .online_row import (
-    AS_TOLD, drawn_depth, drawn_sensor, drawn_wall, end_of_contact, EXACT, in_contact,
-    law_families, presses, Row, sample_at, Score, score, spread, told, Trace, UNKNOWN, WITHIN)
+    AS_TOLD, drawn_depth, drawn_location, drawn_sensor, drawn_wall, end_of_contact, EXACT,
+    in_contact, law_families, presses, Row, sample_at, Score, score, spread, Trace, UNKNOWN,
+    WITHIN)
 from .online_worlds import bump, simulate, start, World
 from ..physics.prior import log_uniform
 
@@ -31,7 +32,7 @@ def _contacts(
     **path: Any,
 ) -> World:
     """Press twice on one wall, excited in every second world."""
-    parameters, x_e = told(draw, how)
+    parameters, x_e = drawn_location(draw, how)
     stiffness = spread(index)
     path = {'excited': index % 2 == 0, **path}
     pieces, seconds = presses(draw, drawn_depth(draw, stiffness), **path)
@@ -103,7 +104,7 @@ def _score_width(world: World, trace: Trace) -> Score:
 
 def _stiff(draw: np.random.Generator, index: int) -> World:
     how = (WITHIN, AS_TOLD, UNKNOWN)[index % 3]
-    parameters, x_e = told(draw, how)
+    parameters, x_e = drawn_location(draw, how)
     wall = drawn_wall(draw, 1e5, x_e)
     depth = drawn_depth(draw, wall.stiffness)
     still, first_s = presses(draw, depth, contacts=1, hold_s=2.0, excited=False)
@@ -138,7 +139,7 @@ def _known_wall(draw: np.random.Generator, index: int) -> World:
 
 def _taps(draw: np.random.Generator, index: int) -> World:
     tap_s, how = (0.02, 0.04)[index % 2], (AS_TOLD, WITHIN)[index // 2 % 2]
-    parameters, x_e = told(draw, how)
+    parameters, x_e = drawn_location(draw, how)
     wall = drawn_wall(draw, spread(index // 4, 3e3), x_e)
     wall = wall._replace(damping=wall.stiffness * log_uniform(draw, 2e-3, 1e-2))
     depth = min(30.0 / wall.stiffness, 0.05 * tap_s)

@@ -11,11 +11,10 @@ from typing import Callable
 import numpy as np
 
 from .online_row import (
-    BAND, drawn_sensor, drawn_wall, GAP, in_contact, presses, Row, sample_at, Score, score, spread,
-    told, Trace, UNKNOWN, WITHIN)
+    BAND, drawn_location, drawn_sensor, drawn_wall, GAP, in_contact, presses, Row, sample_at,
+    Score, score, spread, Trace, UNKNOWN, WITHIN)
 from .online_worlds import Array, cruise, simulate, start, Stream, World
 from ..physics.prior import log_uniform
-
 
 Fault = Callable[[World, float, float, np.random.Generator], World]
 """Takes a world, begin and end [s] and a generator; returns it with the fault in between."""
@@ -92,7 +91,6 @@ FAULTS: dict[str, Fault] = {
 }
 """By name."""
 
-
 _SLOW_FORCE, _SIGMAS = 20.0, 8.0  # [N], of the noise: what a slow touch must reach
 _SLOWEST = 1.0  # rise of the force, or a world lasts for minutes [N/s]
 _EARLY_ENOUGH_S = 0.01
@@ -109,7 +107,7 @@ _GLITCHES, _OUTLIERS = 5, 0.01
 def _slow_touch(draw: np.random.Generator, index: int) -> World:
     """Touch at a constant speed, the force rising by at least 1 N/s."""
     how = (WITHIN, UNKNOWN)[index % 2]
-    parameters, x_e = told(draw, how)
+    parameters, x_e = drawn_location(draw, how)
     wall = drawn_wall(draw, spread(index // 2), x_e)
     noise = log_uniform(draw, 0.1, 3.0)
     speed = log_uniform(draw, max(2e-4, _SLOWEST / wall.stiffness), 5e-2)
@@ -147,7 +145,7 @@ def _close_or_covered(world: World, trace: Trace, at: float) -> bool:
 
 def _constant_noise(draw: np.random.Generator, index: int) -> World:
     noise, how = _NOISES[index % 6], (WITHIN, UNKNOWN)[index // 6 % 2]
-    parameters, x_e = told(draw, how)
+    parameters, x_e = drawn_location(draw, how)
     wall = drawn_wall(draw, spread(index // 12, 2e3), x_e)
     pieces, seconds = presses(draw, _FIRM / wall.stiffness, excited=index // 12 % 2 == 0)
     return simulate(f'{how}, {noise:g} N', parameters, pieces, seconds, wall,
@@ -164,7 +162,7 @@ def _bursts(draw: np.random.Generator, index: int) -> World:
     """One fault, or in every second world two of them one after the other, then clean presses."""
     names = list(FAULTS)
     chosen = draw.choice(names, 2).tolist() if index % 2 else [names[index // 2 % len(names)]]
-    parameters, x_e = told(draw, WITHIN)
+    parameters, x_e = drawn_location(draw, WITHIN)
     wall = drawn_wall(draw, spread(index, 1e3), x_e)
     begin = draw.uniform(6.0, 6.0 + _CYCLE_S)
     clean = begin + _FAULT_S * len(chosen)
@@ -192,7 +190,7 @@ def _score_bursts(world: World, trace: Trace) -> Score:
 
 
 def _glitch(draw: np.random.Generator, index: int) -> World:
-    parameters, x_e = told(draw, WITHIN)
+    parameters, x_e = drawn_location(draw, WITHIN)
     wall = drawn_wall(draw, spread(index // 2, 1e3), x_e)
     pieces, seconds = presses(draw, 0.5 * _FIRM / wall.stiffness, excited=index // 2 % 2 == 0)
     kind = ('position off by 5 mm, 5 times', 'force off by 50 N, 1 %')[index % 2]

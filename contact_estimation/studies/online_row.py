@@ -19,7 +19,6 @@ from ..pipeline.axes import Result
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
 
-
 _LOOK_S = 0.1  # between looks at warnings and laws
 _TOUCHED_S = 0.3  # after a touch, from which there should be estimates
 _SETTLED_S = 1.0  # after a touch, from which bands are checked
@@ -234,7 +233,7 @@ def drawn_sensor(draw: np.random.Generator, **known: Any) -> Sensor:
     return drawn._replace(**known)
 
 
-def told(draw: np.random.Generator, how: str) -> tuple[dict[str, Any], float]:
+def drawn_location(draw: np.random.Generator, how: str) -> tuple[dict[str, Any], float]:
     """Return the parameters that tell x_e, and the true x_e [m]."""
     off = float(np.clip(draw.standard_normal(), -_FARTHEST, _FARTHEST)) * _LOCATION_STD
     parameters: dict[str, Any] = {'environment.location': _LOCATION}

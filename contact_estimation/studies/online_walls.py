@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from .online_row import (
-    AS_TOLD, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score, settled_instants,
-    spread, told, Trace, WITHIN)
+    AS_TOLD, drawn_location, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score,
+    settled_instants, spread, Trace, WITHIN)
 from .online_worlds import Array, ramp, simulate, World
 from ..physics.prior import log_uniform
 
@@ -45,7 +45,7 @@ _STIFF_FORCE = 150.0  # of the stiffer of both walls [N]
 def _laws(draw: np.random.Generator, index: int) -> World:
     law, motion = _CASES[index % len(_CASES)]
     repeat = index // len(_CASES)
-    parameters, x_e = told(draw, (AS_TOLD, WITHIN)[repeat % 2])
+    parameters, x_e = drawn_location(draw, (AS_TOLD, WITHIN)[repeat % 2])
     stiffness = _STIFFNESSES[repeat % 3]
     depth = min(_PRESS / stiffness, 0.03)
     wall = drawn_wall(draw, stiffness, x_e, depth=depth, **_LAWS[law][1])
@@ -78,7 +78,7 @@ def _score_laws(world: World, trace: Trace) -> Score:
 def _steps(draw: np.random.Generator, index: int) -> World:
     step, motion = _STEP_CASES[index % len(_STEP_CASES)]
     (low, high), factor = _STEPS[step]
-    parameters, x_e = told(draw, (AS_TOLD, WITHIN)[index // len(_STEP_CASES) % 2])
+    parameters, x_e = drawn_location(draw, (AS_TOLD, WITHIN)[index // len(_STEP_CASES) % 2])
     wall = drawn_wall(draw, log_uniform(draw, low, high), x_e)
     # Of the softer wall, too, the spring presses more than the damper.
     wall = wall._replace(damping=min(wall.damping, 0.02 * wall.stiffness * factor))
@@ -114,7 +114,7 @@ def _settled_after(world: World, trace: Trace, change: float, end: float) -> flo
 
 def _drift(draw: np.random.Generator, index: int) -> World:
     """Stiffen by half within 10 s of a press."""
-    parameters, x_e = told(draw, (AS_TOLD, WITHIN)[index % 2])
+    parameters, x_e = drawn_location(draw, (AS_TOLD, WITHIN)[index % 2])
     wall = drawn_wall(draw, spread(index), x_e)
     depth = min(_STIFF_FORCE / (1.5 * wall.stiffness), 0.03)
     pieces, seconds = presses(draw, depth, contacts=1, hold_s=11.0)

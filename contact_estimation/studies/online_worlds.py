@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-
 Array = NDArray[np.float64]
 Piece = Callable[[Array], Array]
 """Takes times [s]; returns position [m], velocity and acceleration, shape (3, N)."""

@@ -13,7 +13,7 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_trials.family_scoring import (
+from .blind_trials.scoring import (
     NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
 from .blind_trials.study import diagnose_command
 from .measuring import run_timed
@@ -22,7 +22,6 @@ from ..commands.progress import Progress
 from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
-
 
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
            'failed')

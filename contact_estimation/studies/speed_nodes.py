@@ -20,7 +20,6 @@ from .measuring import CpuMeter, machine_cpu_s, print_table, process_cpu_s
 from ..exceptions import ContactEstimationError
 from ..ros.loop_processes import end_process
 
-
 _END_TIMEOUT_S = 5.0
 
 

@@ -12,7 +12,6 @@ from .testbed_constants import ArmConstants, TestbedConstants, Triple
 from ..estimators.offline_estimator import TargetImpedance
 from ..reference.setpoints import Reference
 
-
 Symmetric = tuple[float, float, float, float, float, float]
 """Entries 11, 12, 13, 22, 23, 33."""
 

@@ -21,7 +21,6 @@ from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactRecording, ContactSample
 
-
 TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
 """Target impedance of the time-domain algorithms."""
 

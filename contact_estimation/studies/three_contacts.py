@@ -24,7 +24,6 @@ from ..estimators.contact_points_estimator import (
 from ..figures import require_matplotlib
 from ..reference.reference_generator import quintic
 
-
 K_E, B_E, MU = 4800.0, 200.0, 0.3
 RATE = 500.0
 DURATION = 10.0

@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 
 from ..figures import BLUE, MUTED, ORANGE
 
-
 BAND = '#8cc8e0'
 """Of the bounds of an estimate, on a light and on a dark ground."""
 
@@ -76,7 +75,6 @@ PLOTS = (
     )),
 )
 """All plots, from top to bottom; topics as the loop records them."""
-
 
 _UNSTAMPED = 'estimator_node/model_fit'
 _STATUS, _DIAGNOSTICS = '/estimator_node/status', '/diagnostics'

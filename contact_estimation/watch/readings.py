@@ -18,7 +18,6 @@ from ..recordings.plain_decoding import ForceTorqueDecoder, WrenchDecoder
 from ..recordings.readings import FORCE_OF_AXIS
 from ..signals.joint_merging import JointMerger
 
-
 INFO, WARNING = 'INFO', 'WARN'
 STATUS, CHECKS = 'log/status', 'log/checks'
 _AS_EXPECTED = ('free', 'estimating')

@@ -199,7 +199,7 @@ class HeldOut(NamedTuple):
 
 
 def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
-    """Find the contacts; short ones are left out, unless all are."""
+    """Find the contacts; what is short, unless all are, or hardly deep beside others, is none."""
     o = observed
     law = model.laws().contact
     if not law.unilateral:
@@ -210,7 +210,10 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     least = _LEAST_CONTACT_S * o.pace / o.h
     if not any(stop - first >= least for first, stop in pairs):
         least = min(least, _LEAST_SAMPLES)  # a probe that touches briefly, sampled fast
-    return [(first, stop) for first, stop in pairs if stop - first >= least]
+    pairs = [(first, stop) for first, stop in pairs if stop - first >= least]
+    depths = [float(np.max(o.x[first:stop])) - model.nominal.environment.location
+              for first, stop in pairs]
+    return [pair for pair, depth in zip(pairs, depths) if depth >= _NEAR * max(depths)]
 
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:

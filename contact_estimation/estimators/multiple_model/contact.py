@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
-    SLOPE_STD, TOUCH)
+    ANYWHERE_M, CLIP, CLIPPED_SQUARE, COLOUR, COLOUR_DOUBT, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
+    SEGMENT_S, SHIFT, SLOPE_STD, TOUCH)
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _SECOND = 6.0  # variance of a second difference of white noise
+_BRIEF = 2 * max(COLOUR)  # samples of a touch that hum of the longest period may pass for
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -56,6 +57,73 @@ class Segment:
         return len(self._x), float(mean[1, 0]), xx, xf, ff
 
 
+class Colour:
+    """
+    How much more the means of the noise scatter than those of white noise would.
+
+    Hum, or a force that wanders, averages out less. Means over the samples of COLOUR show it by
+    their second differences, as samples show the white noise: neither a level nor a slope, such
+    as that of a slow touch, is a part of them.
+    """
+
+    def __init__(self) -> None:
+        self.excess = 1.0  # variance of means over that of white noise
+        self._scales = [_Scale(size) for size in COLOUR]
+        self._waiting: list[float] = []
+
+    def interrupt(self) -> None:
+        """Begin new means, after samples that are no noise."""
+        self._waiting.clear()
+        for scale in self._scales:
+            scale.begin()
+
+    @property
+    def room(self) -> int:
+        """Return the number of samples that change nothing but with the last of them."""
+        return self._scales[0].end - len(self._waiting)
+
+    def learn(self, forces: Floats, white: float) -> None:
+        """Learn from samples, whose white noise has a variance."""
+        self._waiting.extend(forces)
+        if len(self._waiting) < self._scales[0].end:
+            return
+        for scale in self._scales:
+            scale.learn(self._waiting, white)
+        self.excess = max(1.0, *(scale.least for scale in self._scales))
+        done = min(scale.end - scale.size for scale in self._scales)
+        del self._waiting[:done]
+        for scale in self._scales:
+            scale.end -= done
+
+
+class _Scale:
+    """Second differences of sums over so many samples."""
+
+    def __init__(self, size: int) -> None:
+        self.size, self._ratio, self._count = size, 1.0, COLOUR_DOUBT
+        self.begin()
+
+    def begin(self) -> None:
+        self._sums: list[float] = []
+        self.end = self.size  # of the next sum
+
+    @property
+    def least(self) -> float:
+        """Return the variance over that of white noise, less two of its standard errors."""
+        return self._ratio * (1.0 - 2.0 / sqrt(self._count))
+
+    def learn(self, forces: list[float], white: float) -> None:
+        while self.end <= len(forces):
+            self._sums = [*self._sums[-2:], sum(forces[self.end - self.size:self.end])]
+            self.end += self.size
+            if len(self._sums) == 3:
+                bend = self._sums[2] - 2.0 * self._sums[1] + self._sums[0]
+                square = bend * bend / (_SECOND * self.size * white)
+                self._count = min(self._count + 1.0, NOISE_SAMPLES)
+                most = CLIPPED_SQUARE * self._ratio
+                self._ratio += (min(square, most) - self._ratio) / self._count
+
+
 class ContactFilter:
     """
     Two one-sided CUSUM tests against the force of free flight, and where the surface is known.
@@ -80,6 +148,7 @@ class ContactFilter:
         self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
+        self._colour, self._pressed = Colour(), 0
 
     def expect_noise(self, least: float) -> None:
         """Set the least standard deviation of the force, which may change with the motion [N]."""
@@ -96,12 +165,12 @@ class ContactFilter:
 
     @property
     def variance(self) -> float:
-        """Variance of the white noise of the force [N^2]."""
-        return self._noise[0]
+        """Variance of the noise of the force, as if it were white [N^2]."""
+        return self._noise[0] * self._colour.excess
 
     def keep(self, other: ContactFilter) -> None:
         """Use the noise and the level of another filter of the same samples."""
-        self._noise = other.variance, *self._noise[1:]
+        self._noise, self._colour = (other._noise[0], *self._noise[1:]), other._colour
         self.set_level(other.level, other.level_variance)
 
     def set_level(self, level: float, variance: float) -> None:
@@ -130,16 +199,40 @@ class ContactFilter:
         force, x: pressing force [N] and position [m]
         surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
         """
-        noise, before = self._noise, self.state
-        variances = self._learn_noise(force)
-        judge = (self._in_free_flight, self._in_contact, self._in_neither)[before]
-        count = judge(dt, force, x, variances, _places(x, surface, std))
-        if count < len(force):
-            self._noise = noise
-            self._learn_noise(force[:count])
+        before, places, done = self.state, _places(x, surface, std), 0
+        if before == FREE:
+            self._pressed = 0
+        if self._pressed >= _BRIEF:
+            done = self._judge(dt, force, x, places)
+        while done < len(force) and self.state == before:
+            end = done + min(self._colour.room, _BRIEF - self._pressed)
+            if before != FREE:  # in the wall as known there is a force, however brief
+                end = next((k for k in range(done, min(end, len(force))) if places[k] > 0.0), end)
+                if end == done:
+                    self._pressed = _BRIEF
+            count = self._judge(dt[done:end], force[done:end], x[done:end], places[done:end])
+            self._colour.learn(force[done:done + count], self._noise[0])
+            done += count
+            if before != FREE:
+                self._pressed += count
+                if self._pressed >= _BRIEF:
+                    self._colour.interrupt()
+                    if self.state == before:
+                        done += self._judge(dt[done:], force[done:], x[done:], places[done:])
         if self.state != before:
             self._up = self._down = 0.0
             self._segment.clear()
+        return done
+
+    def _judge(self, dt: Floats, force: Floats, x: Floats, places: Floats) -> int:
+        """Judge samples, up to and with the one that changes the state."""
+        noise = self._noise
+        variances = self._learn_noise(force)
+        judge = (self._in_free_flight, self._in_contact, self._in_neither)[self.state]
+        count = judge(dt, force, x, variances, places)
+        if count < len(force):
+            self._noise = noise
+            self._learn_noise(force[:count])
         return count
 
     def _learn_noise(self, forces: Floats) -> list[float]:
@@ -158,7 +251,8 @@ class ContactFilter:
                 variance = variance if variance > least else least
             variances.append(variance)
         self._noise = variance, last, before, equal, learned
-        return variances
+        excess = self._colour.excess
+        return variances if excess == 1.0 else [excess * white for white in variances]
 
     def _in_free_flight(
         self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats

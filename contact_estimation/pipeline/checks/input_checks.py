@@ -122,19 +122,23 @@ class EvidenceWindow:
         return (max([self._travel[axis][1], *x.tolist()]),
                 max([self._pressing[axis], *(-force).tolist()]))
 
-    def close_block(self, end_ns: int) -> None:
-        """Turn the samples of the block, which ends at a stamp, into arrays; start the next."""
+    def close_block(self, end_ns: int) -> bool:
+        """Turn the block that ends at a stamp into arrays; return whether an axis touched."""
+        touched = False
         for pending, axis in zip(self.samples, self._axes):
             table = pending.until(inf).T  # stamp, position, rate, force, whether in contact
             low, high = self._travel[axis]
             x = table[1]
             self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))
             self._pressing[axis] = max(self._pressing[axis], -float(table[3].min()))
+            before = self._windows[axis][-1][4, -1] if self._windows[axis] else 0.0
+            touched |= bool(table[4].any() and not before)
             self._windows[axis].append(table)
         self._others.append(self.wrenches.until(end_ns))
         joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
+        return touched
 
     def evidence(
         self, axis: str, parameters: EstimationParameters, pipeline: Any,
@@ -269,7 +273,8 @@ class InputChecks:
             self._waiting.popleft()()
         else:
             self._stamp_ns = stamp_ns
-            self._window.close_block(stamp_ns)
+            if self._window.close_block(stamp_ns):
+                self._quiet = 0  # a touch shows the most
             self._blocks += 1
             # The window holds four blocks: each sample is judged at least once.
             if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):

@@ -29,7 +29,7 @@ from ...physics.joint_effects import JOINT_EFFECTS
 from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
 from ...plant.plant_parameters import PlantParameters
-from ...recordings.encoding import encode_arm, ForceTorqueEncoder
+from ...recordings.encoding import encode_arm, WrenchEncoder
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory
 from ...reference.arm_pressing import pressing_motion
@@ -243,11 +243,11 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
             stamp = round(1e9 * t)
             writer.write('joint_states', 'sensor_msgs/msg/JointState',
                          encode_arm(stamp, joints, q, v, tau), stamp)
-        encoder = ForceTorqueEncoder(TIP)
+        encoder = WrenchEncoder(TIP)
         for t, wrench in zip(states.t, states.wrench.tolist()):
             stamp = round(1e9 * t)
             writer.write('wrench', 'geometry_msgs/msg/WrenchStamped',
-                         encoder.encode(stamp, wrench), stamp)
+                         encoder.encode(stamp, *wrench), stamp)
 
 
 def run_arm_trials(

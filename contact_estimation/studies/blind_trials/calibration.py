@@ -12,7 +12,7 @@ from typing import Any, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .family_scoring import of_families
+from .scoring import of_families
 from ...diagnosis.fit.beam import Compared, of_dict
 from ...diagnosis.fit.constants import CONSTANTS, Constants
 from ...exceptions import ParameterRangeError

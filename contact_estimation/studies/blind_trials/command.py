@@ -11,9 +11,8 @@ from typing import Any, Iterator
 
 from .arm_trials import arm_text, run_arm_trials
 from .calibration import calibrate
-from .exact_scoring import as_dict, as_text, plot_confusion
-from .family_scoring import family_dict, family_text, plot_reliability
-from .study import judged_trials, plan_study, run_study, Scores
+from .scoring import as_dict, as_text, plot_reliability
+from .study import judged_trials, plan_study, run_study
 from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
@@ -39,15 +38,15 @@ def make_parser() -> Parser:
     parser.add_argument('--unknown', type=int, default=0,
                         help='trials on a rig with a law that no effect describes (0)')
     parser.add_argument('--foreign', type=int, default=0,
-                        help='trials on a rig with a law of the literature that is not the '
-                        "library's; every ninth has none (0)")
+                        help='trials on a rig with a law from the literature that the library '
+                        'does not have; every ninth has none (0)')
     parser.add_argument('--arms', type=int, default=0,
-                        help='trials on whole arms: a law at a joint or a payload is concealed, '
-                        'beside links that are 5 %% off and friction everywhere (0); needs the '
-                        'extra robots')
+                        help='trials on whole arms that conceal a law in a joint or a payload, '
+                        'with links 5 %% off and friction in every joint (0); needs the extra '
+                        'robots')
     parser.add_argument('--pressing', action='store_true',
-                        help='arms of --arms press on a wall under a Cartesian impedance; a law '
-                        'of their joints or of the wall is concealed')
+                        help='let the arms of --arms press on a wall under a Cartesian '
+                        'impedance, and conceal a law of their joints or of the wall')
     parser.add_argument('--calibrate', metavar='FILE',
                         help='fit the constants of the decision to these trials, print how much '
                         'each matters, and write them as JSON')
@@ -55,13 +54,13 @@ def make_parser() -> Parser:
                         help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
     parser.add_argument('--jobs', type=int, metavar='N',
-                        help='trials at a time, in processes of this machine (1), or on the '
+                        help='number of parallel processes (1), or of trials at a time on the '
                         'workers of --scheduler; more than one needs Dask (extra fleet)')
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='Dask scheduler whose workers to use, such as tcp://host:8786')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
-                        help='folder of recordings, reports, truths, table.txt and confusion.png '
-                        '(blind_trials_output)')
+                        help='folder of recordings, reports, truths, table.txt and '
+                        'reliability.png (blind_trials_output)')
     parser.add_argument('--json', metavar='FILE', help='write the scores as JSON')
     return parser
 
@@ -104,19 +103,15 @@ def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
         print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
               f'{folder / "sealed"}')
         return
-    text = '\n\n'.join(_texts(scores, str(folder / 'handed_over')))
+    text = as_text(scores, str(folder / 'handed_over'))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')
-    write_results(options, {'json': lambda: as_json(
-        {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)})})
+    write_results(options, {'json': lambda: as_json(as_dict(scores, options.seed))})
     if options.calibrate:
         fitted = calibrate(judged_trials(folder, trials))
         print(fitted.text())
         fitted.write(Path(options.calibrate))
-    if scores.exact:
-        print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
-    if scores.on_rigs:
-        print(f'wrote {plot_reliability(scores.on_rigs, folder / "reliability.png")}')
+    print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')
 
 
 @contextmanager
@@ -128,13 +123,7 @@ def _workers(options: Any) -> Iterator[Workers]:
         yield started
 
 
-def _texts(scores: Scores, folder: str) -> list[str]:
-    texts = [as_text(scores.exact, folder)] if scores.exact else []
-    return texts + ([family_text(scores.on_rigs, folder)] if scores.on_rigs else [])
-
-
 main = command(make_parser, run)
-
 
 if __name__ == '__main__':
     raise SystemExit(main())

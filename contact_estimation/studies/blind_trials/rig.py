@@ -20,7 +20,6 @@ from .worlds import Run, SensorModel
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...reference.experiment import Experiment
 
-
 Array = NDArray[np.float64]
 
 

@@ -17,10 +17,9 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 
 from .calibration import judged, JudgedTrial
-from .exact_scoring import Score, score
-from .family_scoring import family_score, FamilyScore
 from .foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from .rig_trial import draw_rig_trial
+from .scoring import Score, score
 from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
 from ...scheduling import Call, Workers
 
@@ -37,13 +36,6 @@ class PlannedTrial(NamedTuple):
     seed: tuple[int, int, int]  # seed of all random draws of the trial
     # whether on a rig with nuisances, else in a world that obeys the library's laws exactly
     on_rig: bool = False
-
-
-class Scores(NamedTuple):
-    """Scores of a study."""
-
-    exact: list[Score]  # of worlds that obey the library's laws
-    on_rigs: list[FamilyScore]  # of rigs with nuisances, by family
 
 
 def plan_study(
@@ -69,7 +61,7 @@ def _name(seed: tuple[int, int, int]) -> str:
 def run_study(
     folder: Path, trials: Sequence[PlannedTrial], workers: Workers,
     progress: Callable[[float, str], None], only_write: bool = False,
-) -> Scores:
+) -> list[Score]:
     """Run the remaining trials of a study and score all."""
     calls = {trial.name: Call(run_trial, (folder.absolute(), trial, only_write))
              for trial in trials}
@@ -78,9 +70,8 @@ def run_study(
             raise answer.error
         progress(done / len(trials), name)
     if only_write:
-        return Scores([], [])
-    return Scores([_score(folder, trial) for trial in trials if not trial.on_rig],
-                  [_family_score(folder, trial) for trial in trials if trial.on_rig])
+        return []
+    return [score(trial.name, *_truth_and_answer(folder, trial)) for trial in trials]
 
 
 def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> None:
@@ -95,14 +86,6 @@ def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> 
         files.report.unlink(missing_ok=True)
     if not only_write and not files.report.exists():
         diagnose_blind(files)
-
-
-def _score(folder: Path, planned: PlannedTrial) -> Score:
-    return score(planned.name, *_truth_and_answer(folder, planned))
-
-
-def _family_score(folder: Path, planned: PlannedTrial) -> FamilyScore:
-    return family_score(planned.name, *_truth_and_answer(folder, planned))
 
 
 def judged_trials(folder: Path, trials: Sequence[PlannedTrial]) -> list[JudgedTrial]:

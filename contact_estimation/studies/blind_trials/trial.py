@@ -32,7 +32,6 @@ from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...recordings import RecordingWriter
 from ...recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 
-
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
 """Range of the degree of concealment, log-uniform."""
 

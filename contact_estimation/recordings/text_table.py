@@ -1,0 +1,204 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Text with one sample a line: any delimiter, decimal mark and encoding of spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+from itertools import islice
+from pathlib import Path
+import re
+from typing import Any, Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Columns(dict[str, NDArray[Any]]):
+    """
+    Numbers by name, all of one length: int64 where a file has integers, else float64.
+
+    odd: of columns that hold other texts, how many and the first of them
+    """
+
+    def __init__(self, columns: Any = ()) -> None:
+        super().__init__(columns)
+        self.odd: dict[str, tuple[int, str]] = {}
+
+
+_HEAD = 200  # lines in which the data begin
+_DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
+_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|[a-zA-Z%/]{0,4}')
+_LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
+_THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
+_LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
+_MISSING = {'', '-', '--', '?', 'na', 'n/a', '#n/a', 'null', 'none'}  # NaN is a number
+_TIME = re.compile(
+    r'(\d{4}-\d\d-\d\d)?[T ]?(\d\d:\d\d:\d\d(?:[.,]\d+)?) ?(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
+
+
+def read_text(path: Path) -> Columns:
+    """Read text with any of the usual delimiters, lines before the header, and units."""
+    with open(path, 'rb') as binary:
+        encoding = _encoding(binary.read(1 << 16))
+    with open(path, encoding=encoding, errors='replace', newline=None) as stream:
+        head = list(islice(stream, _HEAD))
+        delimiter, first = _begin_of_data(head)
+        if first is None:
+            return Columns()
+        rows = list(_rows([line.lstrip('#% ') for line in head], delimiter))
+        names = _names(rows[:first], len(rows[first]))
+        mark = _decimal_mark([cell for row in rows[first:] for cell in row], delimiter)
+        stream.seek(0)
+        try:
+            lines = stream if mark == '.' else _with_points(stream)
+            table = np.loadtxt(lines, delimiter=delimiter, skiprows=first, ndmin=2, comments=None)
+            columns = Columns(zip(names, table.T))
+            for place, name in enumerate(names):
+                if re.search('time|stamp|ns', name, re.I):
+                    columns[name] = _integers(stream, delimiter, first, place, columns[name])
+            return columns
+        except ValueError:  # empty cells, texts, thousands
+            stream.seek(0)
+            return _cell_by_cell(islice(_rows(stream, delimiter), first, None), names, mark)
+
+
+def _encoding(start: bytes) -> str:
+    """Tell the encodings that spreadsheets write; any byte is a character of the last."""
+    if start[:2] in (b'\xff\xfe', b'\xfe\xff'):
+        return 'utf-16'
+    try:
+        start[:max(len(start) - 3, start.rfind(b'\n'))].decode()  # may end within a character
+    except UnicodeDecodeError:
+        return 'latin-1'
+    return 'utf-8-sig'
+
+
+def _with_points(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines with decimal points in place of commas, unless there are points already."""
+    for line in lines:
+        if '.' in line:
+            raise ValueError('thousands')
+        yield line.replace(',', '.')
+
+
+def _integers(
+    stream: Any, delimiter: str | None, first: int, place: int, column: NDArray[Any]
+) -> NDArray[Any]:
+    """Return a column exactly where it has integers: stamps in ns need more than float64."""
+    if np.any(column != np.rint(column)):
+        return column
+    stream.seek(0)
+    try:
+        return np.loadtxt(stream, np.int64, delimiter=delimiter, ndmin=1, skiprows=first,
+                          usecols=place, comments=None)
+    except (ValueError, OverflowError):  # 1.0
+        return column
+
+
+def _begin_of_data(head: Sequence[str]) -> tuple[str | None, int | None]:
+    """Find the delimiter that makes most numbers, and the first row of numbers."""
+    best: tuple[int, str | None, int | None] = 0, None, None
+    for delimiter in _DELIMITERS:
+        numbers = list(map(_numbers_in, _rows(head, delimiter)))
+        most = max(numbers, default=0)
+        if most > best[0]:
+            first = numbers.index(most)
+            while first and numbers[first - 1] > 0:  # rows with empty cells
+                first -= 1
+            best = most, delimiter, first
+    return best[1], best[2]
+
+
+def _numbers_in(row: Sequence[str]) -> int:
+    """Count the numbers of a row that has mostly numbers, else 0."""
+    filled = [cell for cell in row if cell.strip()]
+    count = sum(bool(_LIST.fullmatch(cell)) or _number(cell, '.') is not None
+                or _number(cell, ',') is not None for cell in filled)
+    return count if 2 * count > len(filled) else 0
+
+
+def _names(above: Sequence[Sequence[str]], count: int) -> list[str]:
+    """Name the columns by the last rows above the data, of which the last may hold units."""
+    rows = [[cell.strip('"\' ') for cell in row] for row in above if len(row) == count]
+    names = [str(place) for place in range(1, count + 1)]
+    if rows:
+        names = rows[-1]
+        if len(rows) > 1 and all(map(_UNIT.fullmatch, rows[-1])):
+            names = [f'{name} [{unit.strip("[]()")}]' for name, unit in zip(*rows[-2:])]
+    seen: dict[str, int] = {}
+    for place, name in enumerate(names):
+        seen[name] = seen.get(name, 0) + 1
+        names[place] = name if name and seen[name] == 1 else f'{name or "column"} {place + 1}'
+    return names
+
+
+def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:
+    """Read rows of any cells; a list in a cell, such as [1, 2], makes columns NAME_0, NAME_1."""
+    found, odd, sizes = [], dict[str, tuple[int, str]](), None
+    for row in rows:
+        if not any(cell.strip() for cell in row) or row[0].startswith(('#', '%')):
+            continue
+        lists = [(match := _LIST.fullmatch(cell)) and match[1].replace(',', ' ').split()
+                 for cell in row[:len(names)]]
+        if sizes is None:
+            sizes = [0 if own is None else len(own) for own in lists]
+            sizes += [0] * (len(names) - len(lists))
+        numbers: list[float | None] = []
+        for name, cell, own, size in zip(names, row, lists, sizes):
+            cells = (own or [])[:size] if size else [cell]
+            numbers += [_number(one, mark) for one in cells] + [None] * (size - len(cells))
+            if None in numbers[-len(cells):] and cell.strip().lower() not in _MISSING:
+                count, text = odd.get(name, (0, cell))
+                odd[name] = count + 1, text
+        found.append(numbers)
+    wide = [f'{name}_{k}' if size > 1 else name for name, size in zip(names, sizes or ())
+            for k in range(size or 1)]
+    table = np.full((len(found), len(wide)), np.nan)
+    for values, numbers in zip(table, found):
+        values[:len(numbers)] = [np.nan if number is None else number for number in numbers]
+    columns = Columns(zip(wide, table.T))
+    columns.odd = odd
+    return columns
+
+
+def _rows(lines: Iterable[str], delimiter: str | None) -> Iterator[list[str]]:
+    if delimiter is None:
+        return (line.split() for line in lines)
+    return csv.reader(lines, delimiter=delimiter)
+
+
+def _decimal_mark(cells: Sequence[str], delimiter: str | None) -> str:
+    """Tell the decimal mark by the first number in which it cannot separate thousands."""
+    numbers = list(filter(_LIKE_A_NUMBER.fullmatch, cells))
+    for number in numbers:
+        marks = re.findall('[.,]', number)
+        if marks.count(marks[-1]) == 1 and (len(marks) > 1 or not _THOUSANDS.fullmatch(number)):
+            return str(marks[-1])
+    is_comma = delimiter != ',' and numbers and not any('.' in number for number in numbers)
+    return ',' if is_comma else '.'
+
+
+def _number(cell: str, mark: str) -> float | None:
+    """Return the number of a cell, or the seconds of a date and time in ISO 8601."""
+    try:
+        if mark == '.' or '.' not in cell:
+            return float(cell.replace(mark, '.'))
+    except ValueError:
+        pass
+    text = cell.strip().replace('\u2212', '-')  # the minus of typesetters
+    if ',' in text and '.' in text:
+        mark = max(',.', key=text.rfind)
+    separators = ",\u00a0\u202f '’" if mark == '.' else ".\u00a0\u202f '’"
+    text = re.sub(rf'(?<=\d)(?<!^0)(?<!^-0)[{separators}](?=\d{{3}}(?!\d))', '', text)
+    text = text.replace(',', '.')
+    try:
+        return float(re.sub(r'(?<=[\d.])[dD](?=[+-]?\d)', 'e', text))  # Fortran's exponent
+    except ValueError:
+        match = _TIME.fullmatch(cell.strip())
+    try:
+        return match and 1e-9 * float(np.datetime64(
+            f'{match[1] or "1970-01-01"}T{match[2].replace(",", ".")}', 'ns').astype(np.int64))
+    except ValueError:  # 25:00
+        return None

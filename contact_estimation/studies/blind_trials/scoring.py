@@ -1,0 +1,345 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""
+Scores of blind diagnoses: of each report, summed by kind, and as table, JSON and figure.
+
+A name is right if it, or one that its report calls indistinguishable from it, is acceptable: in a
+world that obeys the library's laws the concealed effect alone, on a rig the effects of a family.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import median
+from typing import AbstractSet, Any, Mapping, NamedTuple, Sequence
+
+import numpy as np
+
+from ...figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
+from ...physics import EFFECTS
+
+NEUTRAL = ('force_bias', 'contact_offset')
+"""Offsets beside other names on a rig, neither right nor wrong: every rig has small ones."""
+
+RIGHT, WRONG, SILENT, FAILED = 'right', 'wrong', 'silent', 'failed'
+"""Outcomes: an acceptable name first, another one first, no name, no report."""
+
+LIBRARY, CLEAN, FOREIGN, UNKNOWN, CLEAN_RIG = 'library', 'clean', 'foreign', 'unknown', 'clean rig'
+"""
+Kinds of trials.
+
+In worlds that obey the library's laws: with an effect, without. On rigs: with a law of which a
+family is acceptable, with one that no effect describes, without.
+"""
+
+_NOT_SCORED = ('gamma', 'phase')  # parameters without a natural scale
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """One name of a report."""
+
+    name: str  # key of EFFECTS
+    probability: float  # as reported
+    right: bool  # the name or one of its `indistinguishable_from` is acceptable
+
+
+@dataclass(frozen=True)
+class Score:
+    """Score of one report."""
+
+    trial: str  # name of the trial
+    kind: str  # LIBRARY, CLEAN, FOREIGN, UNKNOWN or CLEAN_RIG
+    law: str  # True effect or law; '' in a clean world
+    families: list[str]  # acceptable ones; empty where no name is
+    stage: str  # kind of experiment
+    concealed: float  # degree by which the law stands out
+    verdict: str  # verdict of the report; '' without a report
+    names: list[NamedEffect]  # reported effects, in order, without neutral ones
+    outcome: str  # RIGHT, WRONG, SILENT or FAILED; any name is wrong where none is acceptable
+    surplus: bool  # a name besides the first is not acceptable
+    port_right: bool | None  # the port of the location is the true one; None in a clean world
+    # intersection over union of true and reported intervals; None unless UNKNOWN
+    overlap: float | None
+    # of a library's effect that is the first name: |estimate - true| relative to the true
+    # distance from "no effect" [%]
+    parameter_errors: dict[str, float]
+    # signed errors of the corrected model [%]; None where truth or model has no value
+    stiffness_error: float | None
+    damping_error: float | None
+    error: str  # error message of the command; '' on success
+    seconds: float  # run time of the diagnosis [s]
+
+    @property
+    def is_miss(self) -> bool:
+        """Whether the report is wrong in any respect."""
+        return self.outcome != (RIGHT if self.families else SILENT) or self.surplus
+
+
+def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Score:
+    """Score a trial."""
+    report: Mapping[str, Any] = answer['report'] or {}
+    effects, verdict = report.get('effects', []), str(report.get('verdict', ''))
+    kind, law, port, families, acceptable = _wanted(truth)
+    neutral = set() if kind in (LIBRARY, CLEAN) else set(NEUTRAL) - acceptable
+    names = scored_names(effects, acceptable, neutral)
+    outcome = outcome_of(bool(report), names)
+    if kind == CLEAN and outcome == SILENT and verdict == 'unexplained':
+        outcome = WRONG  # an accusation without a name
+    location, unknown = report.get('location') or {}, truth.get('unknown') or {}
+    first = effects[0] if kind == LIBRARY and effects and effects[0]['name'] == law else None
+    return Score(
+        trial=trial, kind=kind, law=law, families=families,
+        stage=truth.get('stage') or truth['experiment'], concealed=float(truth['concealed']),
+        verdict=verdict, names=names, outcome=outcome,
+        surplus=any(not named.right for named in names[1:]),
+        port_right=location.get('port') == port if law else None,
+        overlap=overlap_of(
+            location.get('intervals_s', []), unknown['intervals_s']) if unknown else None,
+        parameter_errors=_parameter_errors(truth['effects'][0], first) if first else {},
+        stiffness_error=_percent(report, 'stiffness', truth),
+        damping_error=_percent(report, 'damping', truth),
+        error=str(answer['error']), seconds=float(answer['seconds']),
+    )
+
+
+def _wanted(truth: Mapping[str, Any]) -> tuple[str, str, str, list[str], set[str]]:
+    """Return kind, law, port, right families and acceptable names of a trial."""
+    if 'law' in truth:
+        families = list(truth['families'])
+        kind = FOREIGN if families else UNKNOWN if truth['law'] else CLEAN_RIG
+        return kind, truth['law'], truth['port'], families, of_families(families)
+    if not truth['effects']:
+        return CLEAN, '', '', [], set()
+    effect = truth['effects'][0]
+    name = effect['name']
+    return LIBRARY, name, effect['port'], [EFFECTS[name].family], {name}
+
+
+def _percent(
+    report: Mapping[str, Any], name: str, truth: Mapping[str, Any]
+) -> float | None:
+    value = report.get('corrected', {}).get(name, {}).get('value')
+    return 100.0 * (float(value) / truth[name] - 1.0) if value and truth.get(name) else None
+
+
+def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, float]:
+    neutral = EFFECTS[true['name']].neutral()
+    errors = {}
+    for name, value in true['parameters'].items():
+        distance = value - neutral.get(name, 0.0)
+        estimate = found['parameters'].get(name, {}).get('value')
+        if name not in _NOT_SCORED and distance != 0.0 and estimate is not None:
+            errors[name] = 100.0 * abs((estimate - value) / distance)
+    return errors
+
+
+def of_families(families: Sequence[str]) -> set[str]:
+    """Return the effects of families."""
+    return {name for name, cls in EFFECTS.items() if cls.family in families}
+
+
+def scored_names(
+    effects: Sequence[Mapping[str, Any]], acceptable: AbstractSet[str], neutral: AbstractSet[str]
+) -> list[NamedEffect]:
+    """Score the names of a report."""
+    return [
+        NamedEffect(effect['name'], float(effect['probability']),
+                    bool(acceptable & {effect['name'], *effect['indistinguishable_from']}))
+        for effect in effects if effect['name'] not in neutral
+    ]
+
+
+def outcome_of(is_report: bool, names: Sequence[NamedEffect]) -> str:
+    """Return the outcome of a trial."""
+    if not is_report:
+        return FAILED
+    if not names:
+        return SILENT
+    return RIGHT if names[0].right else WRONG
+
+
+def overlap_of(reported: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
+    """Compute intersection over union of two lists of disjoint intervals [s]."""
+    both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)
+    each = sum(b - a for intervals in (reported, true) for a, b in intervals)
+    return both / max(each - both, 1e-12)
+
+
+PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
+"""Edges of the five bins of the reliability table."""
+
+
+class Reliability(NamedTuple):
+    """One bin of the reliability table."""
+
+    # low, high: range of the reported probability; the last bin includes its end
+    low: float
+    high: float
+    names: int  # number of names given with such a probability
+    mean: float | None  # mean probability given; None without names
+    share_right: float | None  # share of the names of an acceptable family
+
+
+def reliability(scores: Sequence[Score]) -> list[Reliability]:
+    """Compare reported probabilities with the share of right names, on rigs."""
+    given = [(named.probability, named.right) for score in scores for named in score.names
+             if score.kind in (FOREIGN, UNKNOWN, CLEAN_RIG)]
+    table = []
+    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
+        part = [(p, right) for p, right in given
+                if low <= p < high or p == high == PROBABILITY_EDGES[-1]]
+        count = len(part)
+        means = [sum(column) / count for column in zip(*part)] if part else [None, None]
+        table.append(Reliability(low, high, count, *means))
+    return table
+
+
+def calibration_text(scores: Sequence[Score]) -> str:
+    """Format the reliability table."""
+    lines = ['probability given       names     mean    right']
+    for row in reliability(scores):
+        shown = ['       -' if value is None else f'{value:>8.2f}'
+                 for value in (row.mean, row.share_right)]
+        lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{shown[0]} {shown[1]}')
+    return '\n'.join(lines)
+
+
+@figure_style()
+def plot_reliability(scores: Sequence[Score], path: Path) -> Path:
+    """Plot how often names of a reported probability are right."""
+    figure, axis = require_matplotlib().subplots(figsize=(4.2, 4.0))
+    axis.plot([0.0, 1.0], [0.0, 1.0], color=MUTED, lw=1.0)
+    axis.fill_between([0.0, 1.0], [-0.1, 0.9], [0.1, 1.1], color=GREY, alpha=0.12, lw=0.0,
+                      label='within 0.1')
+    for row in reliability(scores):
+        if row.mean is not None and row.share_right is not None:
+            # The interval of a share of so few (Wilson 1927).
+            low, high = _wilson(row.share_right, row.names)
+            axis.plot([row.mean, row.mean], [low, high], color=BLUE, lw=1.5)
+            axis.plot(row.mean, row.share_right, 'o', color=BLUE, ms=6.0)
+            axis.annotate(str(row.names), (row.mean, high), (0.0, 3.0), ha='center', fontsize=8,
+                          textcoords='offset points')
+    axis.set(xlim=(0.0, 1.02), ylim=(0.0, 1.1), xlabel='probability reported (mean of the bin)',
+             ylabel='share of names of a right family')
+    axis.set_title('number of names above each interval of 95 %')
+    axis.legend(loc='upper left')
+    figure.savefig(path)
+    require_matplotlib().close(figure)
+    return path
+
+
+def _wilson(share: float, count: int) -> tuple[float, float]:
+    z = 1.96
+    middle = (share + z**2 / (2 * count)) / (1.0 + z**2 / count)
+    reach = z * np.sqrt(share * (1.0 - share) / count + (z / (2 * count)) ** 2) / (
+        1.0 + z**2 / count)
+    return float(middle - reach), float(middle + reach)
+
+
+_OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
+
+
+def outcomes(scores: Sequence[Score]) -> dict[str, int]:
+    """Count outcomes."""
+    counts = {name: sum(s.outcome == name for s in scores) for name in _OUTCOMES}
+    return {'trials': len(scores), **counts, 'surplus': sum(s.surplus for s in scores)}
+
+
+def groups(scores: Sequence[Score]) -> dict[str, dict[str, list[Score]]]:
+    """Group scores by law, by acceptable family and by kind of experiment."""
+    split: dict[str, dict[str, list[Score]]] = {'law': {}, 'family': {}, 'experiment': {}}
+    for score in sorted(scores, key=lambda s: (s.kind, s.law, s.concealed)):
+        split['law'].setdefault(score.law or score.kind, []).append(score)
+        for family in score.families or [score.kind]:
+            split['family'].setdefault(family, []).append(score)
+        split['experiment'].setdefault(score.stage, []).append(score)
+    return split
+
+
+def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
+    """Return a study as JSON content."""
+    return {
+        'seed': seed,
+        'kinds': {kind: outcomes(part) for kind, part in _by_kind(scores).items()},
+        'groups': {criterion: {label: outcomes(part) for label, part in parts.items()}
+                   for criterion, parts in groups(scores).items()},
+        'reliability': [row._asdict() for row in reliability(scores)],
+        'trials': [asdict(score) for score in scores],
+    }
+
+
+def _by_kind(scores: Sequence[Score]) -> Mapping[str, list[Score]]:
+    parts = {kind: [score for score in scores if score.kind == kind]
+             for kind in (LIBRARY, CLEAN, FOREIGN, UNKNOWN, CLEAN_RIG)}
+    return {kind: part for kind, part in parts.items() if part}
+
+
+def as_text(scores: Sequence[Score], folder: str) -> str:
+    """Format a study as tables."""
+    lines = [f'{len(scores)} trials']
+    for kind, part in _by_kind(scores).items():
+        lines += ['', f'{kind}: {_MEANINGS[kind]}', *_summary(kind, part)]
+    for criterion, parts in groups(scores).items():
+        columns = ('trials', *_OUTCOMES, 'surplus')
+        lines += ['', f'by {criterion}'.ljust(32) + ''.join(f'{name:>9}' for name in columns)]
+        for label, part in parts.items():
+            counts = outcomes(part)
+            lines.append(f'  {label:<30}' + ''.join(f'{counts[name]:>9}' for name in columns))
+    lines += ['', calibration_text(scores)]
+    misses = [score for score in scores if score.is_miss]
+    lines += ['', f'{len(misses)} misses; recordings in {folder}']
+    lines += [_miss_line(score) for score in misses]
+    return '\n'.join(lines)
+
+
+_MEANINGS = {
+    LIBRARY: 'effects of the library', CLEAN: 'nothing missing',
+    FOREIGN: 'laws of the literature on rigs, scored by family',
+    UNKNOWN: 'laws on rigs that no family describes', CLEAN_RIG: 'rigs without a law',
+}
+
+
+def _summary(kind: str, part: Sequence[Score]) -> list[str]:
+    """Return the lines of a kind of trials."""
+    counts = outcomes(part)
+    if kind in (CLEAN, CLEAN_RIG):
+        return [_share_line('false alarms [%]', counts[WRONG], len(part))]
+    if kind == UNKNOWN:
+        located = sum(s.outcome == SILENT and bool(s.port_right) for s in part)
+        return [_share_line('nothing named [%]', counts[SILENT], len(part)),
+                _share_line('nothing named, and right port [%]', located, len(part))]
+    what = 'true name, or one listed with it,' if kind == LIBRARY else 'right family'
+    alone = sum(s.outcome == RIGHT and not s.surplus for s in part)
+    lines = [_share_line(f'{name} [%]', n, len(part)) for name, n in (
+        (f'{what} first', counts[RIGHT]), (f'{what} first, no surplus name', alone),
+        ('wrong name first', counts[WRONG]), ('nothing named', counts[SILENT]),
+        ('diagnosis failed', counts[FAILED]))]
+    if kind == FOREIGN:
+        return lines
+    errors = {
+        'median parameter error [% of the distance from no effect]':
+            [error for s in part for error in s.parameter_errors.values()],
+        'median error of K_e [%]':
+            [abs(s.stiffness_error) for s in part if s.stiffness_error is not None],
+        'median error of B_e [%]':
+            [abs(s.damping_error) for s in part if s.damping_error is not None],
+    }
+    return lines + [f'  {name:<58}{median(values):>8.3g}  of {len(values)}'
+                    for name, values in errors.items() if values]
+
+
+def _share_line(name: str, count: int, total: int) -> str:
+    return f'  {name:<58}{100.0 * count / total:>8.3g}  of {total}'
+
+
+def _miss_line(score: Score) -> str:
+    truth = (f'{score.law or score.kind} ({score.stage})'
+             + (f', {score.concealed:.1f} times' if score.law else ''))
+    if score.error:
+        return f'  {score.trial}: {truth}; failed: {score.error}'
+    names = ' + '.join(f'{n.name} {n.probability:.2f}' for n in score.names) or 'nothing'
+    wanted = score.law if score.kind == LIBRARY else ' or '.join(score.families) or 'no name'
+    return f'  {score.trial}: {truth}; expected {wanted}, diagnosed {names}, {score.verdict}'
