@@ -167,7 +167,7 @@ class EvidenceWindow:
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
     PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), ForceDirection(),
-    Surface(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
+    StampSkew(), Surface(), StampSkewOrMass(), JointRate(), ZeroSteps(),
     ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
     SurfaceUnchecked(),
 )
