@@ -66,7 +66,9 @@ def make_arm(folder: Path) -> None:
 
 def run(folder: Path, command: str, *arguments: str) -> str:
     """Run a command of this package in a folder and return what it prints."""
-    return output_of(folder, '-m', f'contact_estimation.commands.{command}', *arguments)
+    return output_of(folder, '-c', (
+        f'from contact_estimation.commands.entry_points import {command}; '
+        f'raise SystemExit({command}())'), *arguments)
 
 
 def output_of(folder: Path, *arguments: str) -> str:

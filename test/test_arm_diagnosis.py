@@ -15,6 +15,7 @@ from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
+from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
 from contact_estimation.diagnosis.arm.inertia import (
@@ -23,8 +24,11 @@ from contact_estimation.diagnosis.arm.page import as_html
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
-from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside
 from contact_estimation.kinematics.description import joint_friction
+from contact_estimation.parameters import build
+from contact_estimation.pipeline.parameters import EstimationParameters
+from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw
 from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
@@ -92,6 +96,41 @@ def test_a_sensor_that_feels_nothing_changes_nothing() -> None:
                                                      rel=0.05)
 
 
+def test_the_tip_lags_by_what_its_joints_yield() -> None:
+    one, arm, n = arm_recording(pressed=pressing()), ArmDynamics(URDF), np.array([0.6, 0.0, -0.8])
+    assert one.wrench is not None
+    parameters = build(EstimationParameters, {
+        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': [3.0, 0.0, -4.0]})
+    states = replace(one, wrench=replace(one.wrench, parameters=parameters))
+    lag = tip_lag(states, arm, {'joint_2': 1e-5})
+    for k in (100, 1300, 2300):
+        still = np.zeros((1, 3))
+        load = (arm.torque(one.q[k:k + 1], still, still) - arm.torque_from(
+            one.q[k:k + 1], Outside(TIP, one.wrench.measured[k:k + 1])))[0, 1]
+        behind = one.q[k] - [0.0, 1e-5 * load, 0.0]
+        moved = arm.pose(one.q[k], TIP)[1] - arm.pose(behind, TIP)[1]
+        assert lag[k] == pytest.approx(float(n @ moved), rel=1e-3)
+
+
+def test_blocks_that_are_left_out_are_another_motion() -> None:
+    short = arm_recording()
+    rows = short.t < 8.0
+    cut = replace(short, t=short.t[rows], q=short.q[rows], v=short.v[rows], tau=short.tau[rows])
+    for one in (short, cut):
+        channels = Channels([one], ArmDynamics(URDF))
+        period = 6.0 / channels.cut_off
+        times = Gram(channels).times
+        assert len(times) <= 16
+        assert min(last - first for _, first, last in times) > 0.5 * period or len(times) <= 5
+
+
+def test_laws_that_lack_together_are_named_together() -> None:
+    concealed = [ArmLaw('joint_spring', [30.0], 1), ArmLaw('reflected_inertia', [1.5], 1)]
+    found = diagnose_arm(arm_recording(concealed), URDF)
+    beyond = {(one.name, one.term.place) for one in found.effects if one.family != 'friction'}
+    assert beyond == {('joint_spring', 1), ('reflected_inertia', 1)}
+
+
 def test_a_wrench_of_an_unknown_link_is_told_and_not_used() -> None:
     one = arm_recording(pressed=pressing())
     assert one.wrench is not None
@@ -128,6 +167,11 @@ def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint()
     ('angle_unit', {'q': np.degrees}),
     ('torque_unit', {'tau': lambda tau: 1000.0 * tau}),
     ('torque_unit', {'tau': lambda tau: tau / 100.0}),
+    ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0]}),
+    ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0],
+                       'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),
+    ('torque_gravity', {'tau': lambda tau: tau - weight()}),
+    ('torque_external', {'tau': lambda tau: 0.05 * np.ptp(tau, axis=0) * np.tanh(motion().v)}),
 ])
 def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) -> None:
     found = diagnose_arm(arm_recording(**changes), URDF)
@@ -135,10 +179,37 @@ def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) 
     assert found.refused and not found.effects and as_dict(found)['verdict'] == 'unexplained'
 
 
-def test_placeholder_masses_are_refused() -> None:
+def weight() -> Any:
+    """Return the torques of gravity along the motion."""
+    still = np.zeros_like(motion().q)
+    return ArmDynamics(URDF).torque(motion().q, still, still)
+
+
+def test_an_accumulator_is_named_and_no_unit_is_blamed() -> None:
+    def held(tau: Any) -> Any:
+        q = motion().q[:, 1] - motion().q[:, 1].mean()
+        return tau + np.outer(35.0 * np.sin(q) / (0.4 + 0.6 * np.cos(q)), [0.0, 1.0, 0.0])
+
+    found = diagnose_arm(arm_recording(tau=held), URDF)
+    assert not found.refused
+    beyond = [(one.family, one.term.place) for one in found.effects if one.family != 'friction']
+    assert beyond == [('elastic_law', 1)], as_text(found)
+
+
+def test_rests_without_the_ways_between_them_are_refused() -> None:
+    t = motion().t
+    rest = (t // 4.0).astype(int)
+    poses = motion().q[np.searchsorted(t, 4.0 * rest)]
+    one = replace(arm_recording(q=lambda q: poses), t=t + 3.0 * rest)
+    found = diagnose_arm(one, URDF)
+    assert found.refused and 'move every joint' in as_text(found)
+
+
+@pytest.mark.parametrize('mass', ['0.01', '1.0'])
+def test_placeholder_masses_are_refused(mass: str) -> None:
     root = ElementTree.fromstring(URDF)
-    for mass in root.iter('mass'):
-        mass.set('value', '0.01')
+    for one in root.iter('mass'):
+        one.set('value', mass)
     found = diagnose_arm(arm_recording(), ElementTree.tostring(root, encoding='unicode'))
     assert found.refused and 'placeholders' in as_text(found)
 
@@ -229,7 +300,7 @@ def test_friction_is_read_back_from_the_written_description(tmp_path: Path) -> N
     for read_wrong in (lambda: joint_friction(file), lambda: ArmDynamics(file.read_text())):
         with pytest.raises(ModelFileError, match='friction of joint_1 must be a number >= 0'):
             read_wrong()
-    with pytest.raises(ModelFileError, match='must be a URDF file'):
+    with pytest.raises(ModelFileError, match='cannot be read'):
         joint_friction(tmp_path / 'none.urdf')
 
 

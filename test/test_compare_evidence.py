@@ -12,7 +12,7 @@ from typing import Sequence
 from contact_estimation.diagnosis.fit.beam import Compared, refit, search
 from contact_estimation.diagnosis.fit.constants import CONSTANTS, Constants
 from contact_estimation.diagnosis.fit.evidence import Evidence, explained, of_families, Scored
-from contact_estimation.diagnosis.fit.names import name
+from contact_estimation.diagnosis.fit.names import name, Named
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -150,15 +150,20 @@ def test_a_share_is_as_sure_as_parts_agree_and_no_part_is_it_alone(
     assert found.interval[0] > low and (found.interval[0] < 0.0) is (share < 0.1)
 
 
-def named(*models: Scored) -> list[tuple[str, list[str]]]:
-    """List the names, with those alike, of models of which the first is the base."""
+def found_in(*models: Scored) -> Named:
+    """Name what is missing, of models of which the first is the base."""
     found = evidence(models[0])
     compared = Compared(found, found.ranked(models))
 
     def without(model: Scored, dropped: Sequence[str]) -> Scored | None:
         return None
 
-    return [(one.effect, one.alike) for one in name(compared, 0, without).names]
+    return name(compared, 0, without)
+
+
+def named(*models: Scored) -> list[tuple[str, list[str]]]:
+    """List the names, with those alike."""
+    return [(one.effect, one.alike) for one in found_in(*models).names]
 
 
 def test_the_likely_family_is_named_with_laws_alike() -> None:
@@ -176,6 +181,15 @@ def test_the_likely_family_is_named_with_laws_alike() -> None:
 ])
 def test_what_is_unlikely_or_little_is_not_named(models: list[Scored], names: list[str]) -> None:
     assert [one for one, _ in named(*models)] == names
+
+
+def test_a_zero_that_is_little_stays_in_the_model_of_a_law_alone() -> None:
+    base, zero = scored(300.0), scored(295.0, 'force_bias', laws=0)
+    beside = found_in(base, zero, scored(40.0, 'a'), scored(12.0, 'a', 'force_bias', laws=1))
+    assert [one.effect for one in beside.names] == ['a']
+    assert beside.model.effects == ('a', 'force_bias')
+    alone = found_in(base, scored(280.0, 'force_bias', laws=0))
+    assert not alone.names and not alone.model.effects
 
 
 class Worlds:

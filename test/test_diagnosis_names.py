@@ -91,7 +91,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
 # the reference.
 FINER: dict[str, dict[str, Any]] = {'stribeck_friction': {'integration_rate': 5000.0},
                                     'joint_flexibility': {'sample_rate': 500.0}}
-BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15,
+BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15, ('stribeck_friction', 'v_s'): 0.07,
                      ('joint_flexibility', 'damping_ratio'): 0.15}
 
 

@@ -11,6 +11,7 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.effect import Need
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.robot_friction import RobotFriction
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
 from effect_formulas import Array, FORMULAS, SENSED
@@ -114,9 +115,16 @@ def test_robot_on_arrays_moves_as_the_plant() -> None:
         t, x, v, a, force, _ = truths_of(name)
         robot = RobotLaw(M_t, B_t, K_t, [example(name)])
         reference = np.array([reference_at(now - robot.reference_delay) for now in t]).T
-        driving = robot.force_along(t, x, v, reference)
+        driving = robot.force_along(t, x, v, reference, force - robot.mass * a, 0.0)
         np.testing.assert_allclose(
             robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9), err_msg=name)
+
+
+def test_friction_holds_a_robot_at_rest_by_what_it_needs_up_to_its_bound() -> None:
+    robot = RobotLaw(M_t, B_t, K_t, [RobotFriction(2.0)])
+    still, pushed = np.zeros(3), np.array([-1.5, 0.0, 5.0])
+    drive = robot.force_along(np.arange(3.0), still, still, np.zeros((4, 3)), pushed, 1e-2)
+    np.testing.assert_allclose(drive, [1.5, 0.0, -2.0], atol=1e-9)
 
 
 # Where the tool turns, a play switches without end.

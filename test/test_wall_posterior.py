@@ -255,6 +255,18 @@ def test_one_sample_a_second_is_enough() -> None:
     assert within(known.stiffness, K, known.stiffness_std)
 
 
+@pytest.mark.parametrize('metres', [0.1, 0.4])
+def test_free_flight_inside_the_wall_as_told_says_that_it_is_elsewhere(metres: float) -> None:
+    samples = contact(spring_damper(K, B), 4.0, shaken=0.0, noise=0.6, presses=((2.0, 4.0),))
+    posterior = WallPosterior(0.0, 2e-3)
+    for t, force, x, _ in zip(*(one.tolist() for one in samples)):
+        posterior.take(t, force, x + metres)
+        known = posterior.known
+        if known.valid:
+            assert within(known.stiffness, K, known.stiffness_std, 3.5)
+    assert within(posterior.known.surface, metres, posterior.known.surface_std, 3.0)
+
+
 # -- what must not enter ------------------------------------------------------------------------
 
 @pytest.mark.parametrize('force, x', [

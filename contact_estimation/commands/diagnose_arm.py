@@ -44,14 +44,15 @@ def run(options: Any) -> int:
     topics, chosen = topics_of(options), chosen_parameters(options)
     fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
                       for paths in (options.recordings, options.holdout))
-    contact = _contact(options, fitted, stage)
+    _check_wrench(options, fitted)
     simulated = None
     if options.simulation:
         simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
                                  seed=options.seed, progress=stage)
-    diagnosis = replace(diagnose_arm(
-        fitted, urdf, held_out=tested, seed=options.seed, simulated=simulated,
-        progress=stage), contact=contact)
+    diagnosis = diagnose_arm(fitted, urdf, held_out=tested, seed=options.seed,
+                             simulated=simulated, progress=stage)
+    if options.nominal:
+        diagnosis = replace(diagnosis, contact=_contact(options, diagnosis, stage))
     progress.done()
     _write(diagnosis, urdf, options)
     if simulated is not None:
@@ -80,21 +81,23 @@ def _check(options: Any) -> None:
          'the nominal model file': [options.nominal], 'a parameter file': options.params})
 
 
-def _contact(
-    options: Any, fitted: list[ArmRecording], progress: Callable[[str], None]
-) -> Diagnosis | None:
-    """Diagnose what the tip touches."""
-    if not options.nominal:
-        return None
-    if not any(one.wrench for one in fitted):
+def _check_wrench(options: Any, fitted: list[ArmRecording]) -> None:
+    """Refuse a contact without a measured force."""
+    if options.nominal and not any(one.wrench for one in fitted):
         raise RecordingError(
             '--nominal, the contact, needs a wrench beside the joint states, got none in '
             f'{", ".join(options.recordings)}; choose its topic with --topic wrench:=, or leave '
             '--nominal out')
+
+
+def _contact(
+    options: Any, arm: ArmDiagnosis, progress: Callable[[str], None]
+) -> Diagnosis:
+    """Diagnose what the tip touches."""
     return diagnose_contact(
         options.recordings, options.nominal_robot, read_model(options.nominal),
         held_out=options.holdout, topics=topics_of(options),
-        parameters=chosen_parameters(options), seed=options.seed, progress=progress)
+        parameters=chosen_parameters(options), arm=arm, seed=options.seed, progress=progress)
 
 
 def _beside(path: str | None, suffix: str) -> str | None:

@@ -24,6 +24,7 @@ from .next_experiment import advice, nearly
 from .observe.model import Model
 from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.residuals import force_residual
+from .observe.shares import MOST, SLIGHT
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
 from .views import Progress, Seen
 from ..parameters import own_specifications
@@ -31,10 +32,8 @@ from ..physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_MOST = 0.5  # share of the misfit that names must explain: at least half, by the definition
 _SHOWS = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 _AS_FITTED = 1.5, 3.0  # times that error of force and free run, which drifts: more is no noise
-_NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
 
@@ -189,7 +188,7 @@ class _Conclusion:
     def _verdict(self, effects: Sequence[NamedEffect]) -> str:
         """Return the verdict, the one place where it is made."""
         if effects:
-            return 'physics_missing' if self._explained.share >= _MOST else 'unexplained'
+            return 'physics_missing' if self._explained.share >= MOST else 'unexplained'
         force, motion = errors_of(self._tested.parts)
         fitted = (max(self._tested.force_error, self._shown.force_noise),
                   max(self._tested.free_run_error, self._shown.observed.position_noise))
@@ -246,7 +245,7 @@ class _Conclusion:
     def _remainder(self, effects: Sequence[NamedEffect]) -> Remainder | None:
         """Describe what all names leave on parts left out; None if that is noise."""
         left = min(1.0 - self._explained.share, 1.0)
-        if not effects or left < _NOTHING:
+        if not effects or left < SLIGHT:
             return None
         location = locate(self._shown, self._tested.best.model)
         where = f' at {location.region}' if location.region else ''

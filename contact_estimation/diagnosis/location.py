@@ -15,6 +15,7 @@ from .observe.model import Model
 from .observe.prepared_recording import PreparedRecording
 from .observe.residuals import (
     force_explains_motion, force_residual, motion_residual, residuals, response_to)
+from .observe.shares import LITTLE, SLIGHT
 from ..physics.effect import Effect, Need
 
 Array = NDArray[np.float64]
@@ -24,9 +25,7 @@ _WINDOW_S = 0.1
 _STRONG = 2.5  # mean square of the residual in a window, in those of the noise
 _GAP_S = 0.3  # intervals closer than this are one
 _MOST_INTERVALS = 12
-_SILENT = 0.02  # of the excess in the force; less in the motion is no response
 _ENTRY_S = 0.15
-_SLOW = 0.15  # of the speed that 95 % of the contact stays below
 
 
 class Location(NamedTuple):
@@ -78,7 +77,7 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
     force = recording.force.average(missing)
     motion = recording.motion.average(innovations)
     excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in (force, motion)]
-    if excess[1] < _SILENT * excess[0]:
+    if excess[1] < SLIGHT * excess[0]:
         return 'force_sensor'
     if force_explains_motion(recording, model):
         return 'contact'
@@ -115,7 +114,7 @@ def phases(recording: PreparedRecording, model: Model) -> dict[str, Flags]:
     for k in range(1, len(v)):
         since[k] = since[k - 1] + recording.block_s if inside[k] else 0.0
     speed = np.percentile(np.abs(v[inside]), 95) if inside.any() else 1.0
-    entry, slow = inside & (since < _ENTRY_S * o.pace), np.abs(v) < _SLOW * speed
+    entry, slow = inside & (since < _ENTRY_S * o.pace), np.abs(v) < LITTLE * speed
     rest = inside & ~entry
     return {'free': ~inside, 'entry': entry, 'hold': rest & slow,
             'loading': rest & ~slow & (v > 0.0), 'unloading': rest & ~slow & (v < 0.0)}

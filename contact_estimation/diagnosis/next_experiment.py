@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
+from .checks.check import LISTED
 from .fit.discrepancy import discounted
 from .fit.evidence import Evidence, explained, ranked_by, Scored
 from .fit.fitting import differentiate_by, residual_function
@@ -28,6 +29,7 @@ from .observe.observed import Observed
 from .observe.parts import episodes
 from .observe.prepared_recording import PreparedRecording, Recordings
 from .observe.residuals import residuals
+from .observe.shares import LITTLE, MUCH
 from .observe.usable_samples import default_block, usable
 from .result import Diagnosis, NamedEffect
 from ..plant.simulation import simulate_on
@@ -38,7 +40,6 @@ Array = NDArray[np.float64]
 
 _INTEGRATION_RATE = 1000.0
 _LEAST_PACE = 0.1
-_SEPARATES = 0.1  # mean square of a difference, in that of noise: a clear one
 
 
 class Proposal(NamedTuple):
@@ -103,7 +104,7 @@ def _sentence(
             'times the noise of a sample)')
     if difference.motion is not None:
         size += f' and {_short(difference.motion)} times the noise in motion'
-    if difference.strength < _SEPARATES:
+    if difference.strength < LITTLE:
         return (
             f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
             f'experiments is to {best.words}: whatever the values, the predictions then '
@@ -196,15 +197,11 @@ def _sensitivities(recordings: Recordings, model: Model) -> Array:
     return differentiate_by(values, model.steps, function, function(values), most=model.ranges[1])
 
 
-_LISTED = 8  # contacts
-_FAIR = 0.3  # share of the misfit from which on a model nearly explains it
-
-
 def nearly(evidence: Evidence, models: Sequence[Scored]) -> str:
     """Say which law nearly explains what no name explains."""
     alone = [(explained(evidence, one), one.effects[-1]) for one in models if one.laws == 1]
     share, effect = max(alone, key=lambda pair: pair[0].share, default=(None, ''))
-    if share is None or share.share < _FAIR:
+    if share is None or share.share < MUCH:
         return ''
     parts = len(share.parts)
     return (f'{effect} would explain {100.0 * share.share:.0f} %, but {parts} parts cannot prove '
@@ -229,8 +226,8 @@ def advice(
 
 def diagnose_apart(springs: Array) -> str:
     """Recommend what to run where each contact fits a wall of its own."""
-    listed = ', '.join(f'{spring:.4g}' for spring in springs[:_LISTED])
-    listed += ' ...' if len(springs) > _LISTED else ''
+    listed = ', '.join(f'{spring:.4g}' for spring in springs[:LISTED])
+    listed += ' ...' if len(springs) > LISTED else ''
     return (f'Each contact fits a spring and a damper of its own, with K_e = {listed} N/m. '
             'Diagnose contacts of one object at one place together, and each object or place by '
             'itself.')

@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 from .checks.check import Check
 from .dependence import Dependence
 from .fit.beam import Compared
-from .fit.evidence import Share
+from .fit.evidence import NOISE_IS_KNOWN, Share
 from .location import Location
 from .observe.model import Model
 from .observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
-
-_BEYOND = 1.2  # times the noise: an error that shows a misfit
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ class Errors:
         """
         if self.recalibrated is None or self.corrected is None:
             return None
-        some = (_BEYOND * noise) ** 2
+        some = (NOISE_IS_KNOWN * noise) ** 2
         share = 1.0 - (self.corrected**2 - noise**2) / max(
             max(self.recalibrated**2, some) - noise**2, 1e-300)
         shown = self.recalibrated**2 > max(least**2, some)

@@ -177,10 +177,16 @@ def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
     models = ContactModels(recordings, base, progress=progress, parts=parts)
     seen = Seen(view, recordings, base, models, search(models, progress))
     if seen.driven and seen.best.effects:
-        models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
-        known = refit(models, seen.compared.models[:_REFITTED])
-        seen = seen._replace(models=models, compared=search(models, progress, known))
+        seen = _searched_again(seen, progress)
     return _smoothed(seen, progress)
+
+
+def _searched_again(seen: Seen, progress: Progress) -> Seen:
+    """Extend the best models with the discrepancy that the best of them leaves."""
+    models = ContactModels(
+        seen.recordings, seen.base, seen.best_model, progress, seen.models.parts)
+    known = refit(models, seen.compared.models[:_REFITTED])
+    return seen._replace(models=models, compared=search(models, progress, known))
 
 
 def _prepared(view: View) -> Recordings:
@@ -247,7 +253,10 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            other = compare(view, progress, seen.models.parts)
+            if view.between == seen.view.between:
+                other = compare(view, progress, seen.models.parts)
+            else:  # the same laws at other values
+                other = _smoothed(_searched_again(other, progress), progress)
             if _promises(other, seen):
                 seen = other
     return seen

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .description import joint_drives
+from .description import joint_drives, link_masses
 from .robot_model import parsed_urdf, pinocchio
 from ..exceptions import ModelFileError, UnknownNameError
 
@@ -49,7 +49,8 @@ class ArmDynamics:
     def __init__(self, urdf: str, joints: Sequence[str] | None = None) -> None:
         self._library = pin = pinocchio()
         drives = joint_drives(urdf)  # Pinocchio does not say which number is wrong
-        full = parsed_urdf(pin, urdf)
+        full, given = parsed_urdf(pin, urdf), link_masses(urdf)
+        self._alike = len(given) > 2 and len(set(given)) == 1
         names = list(full.names)[1:]
         for joint in joints or ():
             if joint not in names:
@@ -89,8 +90,8 @@ class ArmDynamics:
         heaviest, inertias = self.masses.max(), self.neutral.reshape(-1, PER_LINK)[:, 4:]
         if heaviest < _PLACEHOLDER_KG:
             return f'its heaviest moving link has {heaviest:.3g} kg'
-        if len(self.masses) > 2 and np.ptp(self.masses) < 1e-6 * heaviest:
-            return f'each of its links has {heaviest:.3g} kg'
+        if self._alike:
+            return 'all of its links have the same mass'
         if np.abs(inertias).max() < _PLACEHOLDER_KGM2:
             return 'no link has an inertia'
         return ''

@@ -57,6 +57,12 @@ def joint_friction(path: str | PathLike[str]) -> dict[str, JointFriction]:
     return {name: JointFriction(*one[:2]) for name, one in drives.items() if any(one[:2])}
 
 
+def link_masses(urdf: str) -> list[str]:
+    """Return what a description, which was read before, has as masses of its links."""
+    return [one.get('value', '') for one in ElementTree.fromstring(urdf).iterfind(
+        'link/inertial/mass')]
+
+
 def read_description(path: str | PathLike[str], name: str = 'robot description') -> str:
     """Read a URDF file; `name` is what it is called in errors."""
     try:

@@ -20,38 +20,22 @@ Place = Any
 
 @dataclass(frozen=True)
 class JointMotion:
-    """
-    Motion of an arm and what its description makes of it.
+    """Motion of an arm and what its description makes of it."""
 
-    Attributes
-    ----------
-    arm : ArmDynamics
-        Of the description, n joints.
-    q, v, a : ndarray, shape (N, n)
-        Positions, velocities, accelerations [rad], [rad/s], [rad/s^2].
-    load : ndarray, shape (N, n)
-        What the drives must give, see `torque` [N m].
-    speed, middle : ndarray, shape (n,)
-        What each joint exceeds in 5 % of the time [rad/s], and its mean position [rad].
-    carried : ndarray, shape (N, n)
-        The load within the band of the motion [N m]: what bends a joint is differentiated twice.
-    period : float
-        Between samples [s].
-    outside : Outside, optional
-        Measured contact.
-
-    """
-
-    arm: ArmDynamics
+    arm: ArmDynamics  # of the description, n joints
+    # q, v, a: positions, velocities, accelerations [rad], [rad/s], [rad/s^2]
     q: Array
     v: Array
     a: Array
-    load: Array
+    load: Array  # what the drives must give, see `torque` [N m]
+    # speed, middle: what each joint exceeds in 5 % of the time [rad/s], and its mean position
+    # [rad]
     speed: Array
     middle: Array
+    # the load within the band of the motion [N m]: what bends a joint is differentiated twice
     carried: Array
-    period: float = 0.0
-    outside: Outside | None = None
+    period: float = 0.0  # between samples [s]
+    outside: Outside | None = None  # measured contact
 
     def torque(self, q: Array, v: Array, a: Array) -> Array:
         """Return RNEA(q, v, a) - J(q)^T F with the measured F, shape (N, n)."""

@@ -114,12 +114,28 @@ class RobotLaw:
         push = self.less_drag(f, v_m, math) - self.joint.force(x_m - x, v_m - v)
         return (v_m, push / (self.mass - self.joint.mass), *lag)
 
-    def force_along(self, t: Array, x: Array, v: Array, reference: Array) -> Array:
-        """Return the driving force along a motion, evenly spaced (N,) [N]."""
+    def force_along(
+        self, t: Array, x: Array, v: Array, reference: Array, missing: Array, blur: float
+    ) -> Array:
+        """
+        Return the driving force along a motion, evenly spaced (N,) [N].
+
+        Dry friction at rest is a bound: it is what holds the robot (D. Karnopp, J. Dyn. Sys.,
+        Meas., Control 107, 1985), and so is any drag between those at v - blur and v + blur.
+
+        missing (N,): F_e - mass xdd, what balances the force without drag [N]
+        blur: error of v, or the speed below which a smooth sign is not yet one [m/s]
+        """
         u = self.control(x, v, reference, np)
         if self._lag:
             u = ForceLag(self._lag).sense_along(t, u, u)
-        return np.asarray(self.less_drag(u, v, np))
+        least, most = (self.less_drag(u, v + way * blur, np) for way in (1.0, -1.0))
+        return np.asarray(np.clip(-missing, least, most))
+
+    @property
+    def drags(self) -> bool:
+        """Whether an effect opposes the motion."""
+        return bool(self._drags)
 
     @property
     def is_linear(self) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from .arm_models import ARMS, Array, description_of, mujoco
 from .blind_trials.arm_trials import Engine
+from ..diagnosis.arm.inertia import centred
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..plant.arm_models import arm_description
 from ..plant.arm_simulation import (
@@ -27,19 +28,7 @@ _LIGHT = '1e-6'  # [kg], [kg m^2]: MuJoCo requires an inertia of what lies betwe
 
 
 def mujoco_arm(urdf: str, arm: ArmDynamics, yielding: Sequence[int] = ()) -> Any:
-    """
-    Build the MuJoCo model of an arm.
-
-    Parameters
-    ----------
-    urdf : str
-        Description, whose inertial parameters are not used.
-    arm : ArmDynamics
-        Links and gravity, n joints.
-    yielding : sequence of int
-        Joints with a second joint, NAME_gear, between motor and link.
-
-    """
+    """Build the MuJoCo model of a description with other links; `yielding` joints get a gear."""
     mj, root = mujoco(), ElementTree.fromstring(urdf)
     for j in yielding:
         _add_gear(root, arm.joints[j])
@@ -75,10 +64,8 @@ def _add_gear(root: ElementTree.Element, name: str) -> None:
 
 def _set_inertia(mj: Any, model: Any, body: int, theta: Array) -> None:
     """Give a body mass, centre and principal inertia."""
-    mass, c = theta[0], theta[1:4] / theta[0]
-    xx, xy, yy, xz, yz, zz = theta[4:]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    principal, axes = np.linalg.eigh(J - mass * ((c @ c) * np.eye(3) - np.outer(c, c)))
+    mass, c, J = centred(theta)
+    principal, axes = np.linalg.eigh(J)
     axes[:, 0] *= np.linalg.det(axes)
     model.body_mass[body], model.body_ipos[body] = mass, c
     model.body_inertia[body] = principal
@@ -89,12 +76,7 @@ def simulate(
     urdf: str, arm: ArmDynamics, wanted: ArmTrajectory, laws: Sequence[ArmLaw],
     sensors: ArmSensors, seed: int = 0, extra: Array | None = None, impedance: None = None,
 ) -> SimulatedArm:
-    """
-    Let an arm follow a trajectory in MuJoCo; parameters as of `simulate_arm`.
-
-    The damping of the position control is MuJoCo's own, which is implicit.
-
-    """
+    """Let an arm follow a trajectory in MuJoCo as `simulate_arm` does, its damping implicit."""
     mj, arm = mujoco(), changed(arm, laws)
     yielding = {law.place: law for law in laws if law.effect in ('joint_flexibility', 'backlash')}
     model = mujoco_arm(urdf, arm, list(yielding))

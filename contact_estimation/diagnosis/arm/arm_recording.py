@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _LEAST_SAMPLES = 200  # two seconds at the rate of slow drivers
-_STILL = 0.01  # range of a joint at rest [rad]
+_STILL = 0.03  # range of a joint at rest [rad]: friction may hold anything over its presliding
+GAP = 8.0  # sample periods without a message, at which a recording is cut
 _SILENT = 0.5  # share of samples of no effort, from which on a joint is one that publishes none
 
 
@@ -58,7 +59,15 @@ class ArmRecording:
     @property
     def moves(self) -> Flags:
         """Return which joints move, so that their torque tells more than a constant."""
-        return np.asarray(np.ptp(self.q, axis=0) > _STILL)
+        return np.asarray(np.max([np.ptp(self.q[rows], axis=0)
+                                  for rows in self.stretches], axis=0) > _STILL)
+
+    @property
+    def stretches(self) -> list[Any]:
+        """Return the rows of each stretch without a gap."""
+        steps = np.diff(self.t)
+        return np.split(np.arange(len(self.t)),
+                        np.flatnonzero(steps > GAP * np.median(steps)) + 1)
 
     @property
     def has_velocity(self) -> Flags:

@@ -11,7 +11,7 @@ from typing import Callable, Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from .arm_recording import ArmRecording, Array, Flags
+from .arm_recording import ArmRecording, Array, Flags, GAP
 from ...exceptions import RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics, Outside
 from ...physics.joint_effects import JOINT_EFFECTS, JointMotion, Place
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 _RATE = 200.0  # above which a recording is decimated [Hz]: an order above what arms move at
 _DECIMATED = 0.4  # cut-off before decimation, in the new rate
 _LONGEST_S = 60.0  # piece that is filtered at once, a bound of the memory
-_GAP = 8.0  # sample periods without a message, at which a recording is cut
 _EDGE_S = 0.5  # dropped at both ends of a piece: transients of the filters
 _LEAST_S = 2.0  # piece
 _SLOWEST, _FASTEST = 3.0, 25.0  # cut-off [Hz]
@@ -94,8 +93,7 @@ def _stretches(
     if recording.wrench is not None:
         frame, wrench = recording.wrench.outside(arm, recording.q)
     period = float(np.median(np.diff(t)))
-    cuts = np.flatnonzero(np.diff(t) > _GAP * period) + 1
-    for rows in np.split(np.arange(len(t)), cuts):
+    for rows in recording.stretches:
         if t[rows[-1]] - t[rows[0]] < _LEAST_S:
             continue
         grid = np.arange(t[rows[0]], t[rows[-1]], period)
@@ -152,7 +150,7 @@ class Channels:
                for part in _stretches(one, arm, k, frame)]
         if not raw:
             raise RecordingError(
-                f'{", ".join(self.names)} must have {_LEAST_S:g} s without a gap of {_GAP:g} '
+                f'{", ".join(self.names)} must have {_LEAST_S:g} s without a gap of {GAP:g} '
                 'sample periods; record again')
         self.cut_off = like.cut_off if like else max(map(_cut_off, raw))
         motions = [self._motion(one) for one in raw]
@@ -166,10 +164,7 @@ class Channels:
         self.terms = like.terms if like else self._terms(len(recordings))
         self.pieces = [self._piece(stretch, motion) for stretch, motion in zip(raw, motions)]
 
-    @property
-    def samples_per_error(self) -> float:
-        """Return kept samples per independent error: three in a period of the motion's band."""
-        return _PER_PERIOD * _HARMONICS / _ERRORS
+    samples_per_error = _PER_PERIOD * _HARMONICS / _ERRORS  # three in a period of the motion
 
     def _motion(self, stretch: _Stretch) -> JointMotion:
         period = float(stretch.t[1] - stretch.t[0])

@@ -8,7 +8,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Sequence
+from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment, nnls
@@ -20,6 +20,8 @@ from ...kinematics.arm_dynamics import ArmDynamics
 _WELL = 0.5  # share of a torque's variance that a plain model leaves of a joint that is read right
 _IN_ORDER = 0.1  # the same of joints whose order is beyond doubt
 _EXCHANGED = 4.0  # nats that an exchange gains in all: one of dozens that are tried
+_HALF, _MOSTLY_READ = 0.5, 0.3  # of what is left without a load, and of a torque: its gain shows
+_ROWS = 300  # samples that tell a misreading
 _FOLD = 1.0  # nats of log error that another reading must gain in each joint
 _GAIN = 2.5  # published gains of one arm differ by half; a unit by at least so much
 _LOADED = 0.1  # of the largest modelled torque: a joint whose links tell its gain
@@ -98,10 +100,10 @@ def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
 
 
 class Reading:
-    """Errors of the plainest model of each joint: RNEA, friction, rotor inertia, zero."""
+    """A recording as the plainest model sees it: load, friction, rotor, zero, and a spring."""
 
     def __init__(self, channels: Channels, most: int | None = None) -> None:
-        self.channels, self.arm = channels, channels.arm
+        self.channels, self.arm, self.joints = channels, channels.arm, channels.measured
         pieces = channels.pieces[:most]
         self.q, self.v, self.tau = (np.concatenate([getattr(one, name) for one in pieces])
                                     for name in ('q', 'v', 'tau'))
@@ -112,115 +114,183 @@ class Reading:
         self.outside = first and first._replace(wrench=np.concatenate(
             [one.outside.wrench for one in pieces if one.outside is not None]))
 
-    def error(self, tau: Array, k: int, load: Array | None = None) -> float:
-        """Return the share of a torque that joint k's motion leaves, friction never driving."""
-        v, a = self.v[:, k], self.a[:, k]
-        X = np.stack([np.tanh(v / (0.05 * self.channels.speed[k])), v, a,
-                      np.ones(len(v)), -np.ones(len(v))], axis=1)
-        y = tau - (self.load[:, k] if load is None else load)
+    def thinned(self) -> 'Reading':
+        """Return some of its samples."""
+        some, count = copy(self), len(self.q)
+        rows = np.linspace(0, count - 1, min(count, _ROWS)).astype(int)
+        for name in ('q', 'v', 'a', 'tau', 'load'):
+            setattr(some, name, getattr(self, name)[rows])
+        some.outside = self.outside and self.outside._replace(wrench=self.outside.wrench[rows])
+        return some
+
+    def otherwise(self, motion: Any, torque: Any = 1.0) -> 'Reading':
+        """Return the reading with a function of all positions, and of the torques."""
+        other = copy(self)
+        other.q, other.v, other.a = motion(self.q), motion(self.v), motion(self.a)
+        other.tau = motion(self.tau) if torque else self.tau
+        other.load = self.arm.torque(other.q, other.v, other.a) - self.felt(other.q)
+        return other
+
+    def felt(self, q: Array) -> Array:
+        """Return the torque of what acts on the arm."""
+        return self.arm.torque_from(q, self.outside)
+
+    def fit(self, tau: Array, k: int, load: Array, free: bool = False) -> tuple[float, float]:
+        """
+        Return the log share of a torque that joint k leaves, and the gain of a load if it is free.
+
+        Friction never drives; a spring may be any.
+        """
+        q, v = self.q[:, k], self.v[:, k]
+        other = [np.ones(len(q)), np.sin(q), np.cos(q)]
+        X = np.stack([np.tanh(v / (0.05 * self.channels.speed[k])), v, self.a[:, k],
+                      *other, *(-x for x in other), load * free], axis=1)
         scale = np.sqrt(np.mean(X**2, axis=0)) + 1e-12
-        return float(nnls(X / scale, y)[1] ** 2 / (len(y) * (tau.var() + 1e-12)) + 1e-4)
+        theta, rest = nnls(X / scale, tau - load * (not free))
+        return (float(np.log(rest**2 / (len(q) * (tau.var() + 1e-12)) + 1e-4)),
+                float(theta[-1] / scale[-1]))
 
-    def errors(self) -> Array:
-        """Return the error of each joint with a torque."""
-        return np.array([self.error(self.tau[:, j], j) for j in self.channels.measured])
-
-
-def check_signs(reading: Reading) -> ArmCheck:
-    """Refuse torques that count in the other direction."""
-    names, joints = reading.arm.joints, reading.channels.measured
-    right = reading.errors()
-    wrong = np.array([reading.error(-reading.tau[:, j], j) for j in joints])
-    flipped = [names[j] for j, one, other in zip(joints, right, wrong)
-               if np.log(one / other) > 2.0 * _FOLD and other < _WELL]
-    return ArmCheck('torque_sign', not flipped, (
-        f'the torques of {", ".join(flipped)} have the opposite sign: they brake where the arm '
-        'must push; publish the torque that the drive applies to the joint') if flipped
-        else 'torques drive the motion')
+    def errors(self, load: Array | None = None, sign: float = 1.0) -> Array:
+        """Return the log error of each joint with a torque."""
+        load = self.load if load is None else load
+        return np.array([self.fit(sign * self.tau[:, j], j, load[:, j])[0] for j in self.joints])
 
 
-def check_order(reading: Reading) -> ArmCheck:
-    """Refuse efforts, or positions, of joints that are exchanged."""
-    joints, names = reading.channels.measured, reading.arm.joints
-    ok = ArmCheck('joint_order', True, 'each torque belongs to the motion of its joint')
-    right = reading.errors()
-    if (right < _IN_ORDER).all():
-        return ok
-    table = np.log([[reading.error(reading.tau[:, i], k) for k in joints] for i in joints])
+class Misreading(NamedTuple):
+    """A way in which a recording may be wrong."""
+
+    check: str
+    text: str
+    errors: Array  # log errors of all joints if it is so
+    price: float = _EXCHANGED  # of one of dozens that are tried [nat]
+
+
+def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return what may be wrong with a recording that leaves the errors `right`."""
+    for tried in (_flipped, _disordered, _exchanged, _mirrored, _lacking, _units):
+        yield from tried(reading, right)
+
+
+def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return torques that count in the other direction."""
+    flipped = reading.errors(sign=-1.0)
+    wrong = (right - flipped > 2.0 * _FOLD) & (flipped < np.log(_WELL))
+    names = ', '.join(reading.arm.joints[j] for j, one in zip(reading.joints, wrong) if one)
+    if names:
+        yield Misreading('torque_sign', (
+            f'the torques of {names} have the opposite sign: they brake where the arm must push; '
+            'publish the torque that the drive applies to the joint'),
+            np.where(wrong, flipped, right), 0.0)
+
+
+def _disordered(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return efforts in another order than the names."""
+    joints, names = reading.joints, [reading.arm.joints[j] for j in reading.joints]
+    table = np.array([[reading.fit(reading.tau[:, i], k, reading.load[:, k])[0] for k in joints]
+                      for i in joints])
     chosen = linear_sum_assignment(table)[1]
     moved = [k for k, other in enumerate(chosen) if other != k]
-    if moved and all(table[k, k] - table[k, chosen[k]] > 0.5 * _FOLD for k in moved) and np.mean(
-            [table[k, k] - table[k, chosen[k]] for k in moved]) > _FOLD:
-        pairs = ', '.join(f'{names[joints[k]]} holds that of {names[joints[chosen[k]]]}'
-                          for k in moved)
-        return ArmCheck('joint_order', False, (
+    gains = np.array([table[k, k] - table[k, chosen[k]] for k in moved])
+    if moved and gains.min() > 0.5 * _FOLD and gains.mean() > _FOLD:
+        pairs = ', '.join(f'{names[k]} holds that of {names[chosen[k]]}' for k in moved)
+        yield Misreading('joint_order', (
             f'efforts are in another order than names: {pairs}; publish them in the order of '
-            '`name`'))
-    rows = np.linspace(0, len(reading.q) - 1, min(len(reading.q), 300)).astype(int)
-    best = float(np.log(right).sum()) - _EXCHANGED
-    found: tuple[int, int, bool] | None = None
-    for i, k in combinations(joints, 2):
+            '`name`'), table[range(len(joints)), chosen], 0.0)
+
+
+def _exchanged(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return positions, or all states, of two joints that are exchanged."""
+    names = reading.arm.joints
+    for i, k in combinations(reading.joints, 2):
         order = np.arange(len(names))
         order[[i, k]] = k, i
         for both in (True, False):
-            score = _score(reading, rows, order, both)
-            if score < best:
-                best, found = score, (i, k, both)
-    if found is None:
-        return ok
-    what = 'the states' if found[2] else 'the positions'
-    return ArmCheck('joint_order', False, (
-        f'{what} of {names[found[0]]} and {names[found[1]]} are exchanged: with them in the other '
-        'order the torques fit; correct the order of `name`'))
+            yield Misreading('joint_order', (
+                f'{"the states" if both else "the positions"} of {names[i]} and {names[k]} are '
+                'exchanged: with them in the other order the torques fit; correct the order of '
+                '`name`'), reading.otherwise(lambda x: x[:, order], both).errors())
 
 
-def _score(reading: Reading, rows: Any, order: Any, both: bool) -> float:
-    """Return the log errors of all joints with motions, or with torques too, in another order."""
-    q, v, a, tau = (one[rows] for one in (reading.q, reading.v, reading.a, reading.tau))
-    q, v, a, tau = q[:, order], v[:, order], a[:, order], tau[:, order] if both else tau
-    outside = reading.outside and reading.outside._replace(wrench=reading.outside.wrench[rows])
-    load, total = reading.arm.torque(q, v, a) - reading.arm.torque_from(q, outside), 0.0
-    some = copy(reading)
-    some.v, some.a = v, a
-    for j in reading.channels.measured:
-        total += float(np.log(some.error(tau[:, j], j, load[:, j])))
-    return total
+def _mirrored(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return positions of a joint that count in the other direction, or its torques as well."""
+    for j, name in enumerate(reading.arm.joints):
+        sign = np.where(np.arange(len(reading.arm.joints)) == j, -1.0, 1.0)
+        for both in (True, False):
+            yield Misreading('position_sign', (
+                f'the position of {name} counts in the other direction than in the description'
+                f'{", and so does its torque" if both else ""}: turn the sign of the encoder'
+                f'{" and of the torque" if both else ""}, or the axis of the joint'),
+                reading.otherwise(lambda x: x * sign, both).errors())
 
 
-def check_gains(reading: Reading) -> ArmCheck:
-    """Refuse torques of another unit, or of the motor in place of the joint."""
-    texts = []
+def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return torques that lack those of gravity, or all of the arm."""
+    still = np.zeros_like(reading.q)
+    yield Misreading('torque_gravity', (
+        'the torques lack those of gravity: the controller compensates it and publishes what it '
+        'adds; record the measured torque, or add the gravity torque of the controller'),
+        reading.errors(reading.load - reading.arm.torque(reading.q, still, still)))
+    yield Misreading('torque_external', (
+        'the torques show none of the weight and inertia of the arm: an estimate of external '
+        'torques, what a controller adds, or another unit, such as currents or torques of the '
+        'motors; record the torque of each joint in N m'), reading.errors(
+            -reading.felt(reading.q)))
+
+
+def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return torques of another unit, or of the motor in place of the joint."""
     sizes = np.sqrt(np.mean(reading.load**2, axis=0))
-    for j in reading.channels.measured:
-        v, a, load = reading.v[:, j], reading.a[:, j], reading.load[:, j]
-        X = np.stack([load, np.tanh(v / (0.05 * reading.channels.speed[j])), v, a,
-                      np.ones(len(v))], axis=1)
-        tau = reading.tau[:, j]
-        theta, *_ = np.linalg.lstsq(X, tau, rcond=None)
-        without, *_ = np.linalg.lstsq(X[:, 1:], tau, rcond=None)
-        left, rest = np.var(tau - X @ theta), np.var(tau - X[:, 1:] @ without)
-        shown = left < 0.5 * rest and left < 0.3 * tau.var()
-        if not shown or theta[0] <= 0.0 or sizes[j] < _LOADED * sizes.max():
+    errors, texts = right.copy(), []
+    for k, j in enumerate(reading.joints):
+        left, gain = reading.fit(reading.tau[:, j], j, reading.load[:, j], free=True)
+        none = reading.fit(reading.tau[:, j], j, 0.0 * reading.load[:, j])[0]
+        if 1.0 / _GAIN < gain < _GAIN:
             continue
-        if not 1.0 / _GAIN < theta[0] < _GAIN:
-            texts.append(f'{reading.arm.joints[j]} {theta[0]:.3g}')
-    return ArmCheck('torque_unit', not texts, (
-        f'torques are not those of the joints in N m; measured over modelled: {", ".join(texts)}; '
-        'multiply currents by motor constant and gear ratio, N mm by 0.001') if texts
-        else 'torques have the size of those of the joints in N m')
+        errors[k] = min(left + _FOLD, right[k])
+        shown = left < min(none + np.log(_HALF), np.log(_MOSTLY_READ))
+        if shown and sizes[j] >= _LOADED * sizes.max():
+            texts.append(f'{reading.arm.joints[j]} {gain:.3g}')
+    if texts:
+        yield Misreading('torque_unit', (
+            'torques are not those of the joints in N m; measured over modelled: '
+            f'{", ".join(texts)}; multiply currents by motor constant and gear ratio, N mm by '
+            '0.001'), errors, 0.0)
+
+
+_READ = {
+    'torque_sign': 'torques drive the motion',
+    'position_sign': 'positions count as in the description',
+    'joint_order': 'each torque belongs to the motion of its joint',
+    'torque_gravity': 'torques hold the arm against gravity',
+    'torque_external': 'torques move the arm',
+    'torque_unit': 'torques have the size of those of the joints in N m',
+}
+"""What is right, by check."""
+
+
+def check_reading(reading: Reading) -> list[ArmCheck]:
+    """Refuse what another reading of signs, order, units or kind of torques explains best."""
+    some = reading.thinned()
+    right = some.errors()
+    best, found = float(right.sum()), None
+    if (right >= np.log(_IN_ORDER)).any():
+        for one in _misreadings(some, right):
+            if one.errors.sum() + one.price < best:
+                best, found = float(one.errors.sum()) + one.price, one
+    if found is not None:
+        return [ArmCheck(found.check, False, found.text)]
+    return [ArmCheck(name, True, text) for name, text in _READ.items()]
 
 
 def check_clock(reading: Reading) -> ArmCheck:
     """Say by how much torques are stamped later than positions; `reading` of one piece."""
-    t, joints = reading.t, reading.channels.measured
-    scores = []
+    t, scores = reading.t, list[float]()
     for lag in _LAGS_S:
         some = copy(reading)
-        for name in ('load', 'v', 'a'):
-            signal = getattr(reading, name)
-            setattr(some, name, np.stack(
-                [np.interp(t - lag, t, column) for column in signal.T], axis=1))
-        scores.append(sum(np.log(some.error(reading.tau[:, j], j)) for j in joints))
+        for name in ('load', 'q', 'v', 'a'):
+            setattr(some, name, np.stack([np.interp(t - lag, t, column)
+                                          for column in getattr(reading, name).T], axis=1))
+        scores.append(float(some.errors().sum()))
     best = int(np.argmin(scores))
     lag = float(_LAGS_S[best])
     at_zero = scores[len(_LAGS_S) // 2]
@@ -232,10 +302,6 @@ def check_clock(reading: Reading) -> ArmCheck:
 
 
 def examine(channels: Channels) -> list[ArmCheck]:
-    """Make all checks that need the dynamics, up to the first that fails."""
-    reading, found = Reading(channels), list[ArmCheck]()
-    for check in (check_signs, check_order, check_gains):
-        found.append(check(reading))
-        if not found[-1].ok:
-            return found  # what follows has no meaning before that is put right
-    return [*found, check_clock(Reading(channels, 1))]
+    """Make all checks that need the dynamics; what follows one that fails has no meaning."""
+    found = check_reading(Reading(channels))
+    return found if not found[-1].ok else [*found, check_clock(Reading(channels, 1))]

@@ -157,10 +157,12 @@ def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
 
 
 def _zeros(names: ArmNames) -> list[Term]:
-    """Return the zeros of torques that are more than a zero usually is."""
+    """Return the zeros of torques that are more than a zero usually is, and no spring's."""
     found, gram = [], names.space.gram
     arm = gram.channels.arm
-    for term in sorted(names.space.zeros):
+    sprung = {term.place for term in names.model
+              if JOINT_EFFECTS[term.effect].family == 'elastic_law'}
+    for term in sorted(term for term in names.space.zeros if term.place not in sprung):
         value, std = names.theta[term][0], names.stds[term][0]
         rated = arm.limits['effort'][term.place]
         span = gram.span[gram.joints.index(term.place)]

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from .arm_recording import Array
-from .inertia import pseudo_inertia
+from .inertia import centred, pseudo_inertia
 from .result import ArmDiagnosis
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
 
@@ -86,10 +86,7 @@ def _set_inertial(link: ElementTree.Element, theta: Array) -> None:
     if inertial is not None:
         link.remove(inertial)
     inertial = ElementTree.SubElement(link, 'inertial')
-    mass, c = theta[0], theta[1:4] / theta[0]
-    xx, xy, yy, xz, yz, zz = theta[4:]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    J = J - mass * ((c @ c) * np.eye(3) - np.outer(c, c))
+    mass, c, J = centred(theta)
     ElementTree.SubElement(inertial, 'origin', xyz=' '.join(f'{x:.6g}' for x in c), rpy='0 0 0')
     ElementTree.SubElement(inertial, 'mass', value=f'{mass:.6g}')
     ElementTree.SubElement(inertial, 'inertia', {

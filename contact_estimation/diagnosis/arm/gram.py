@@ -37,7 +37,8 @@ ZEROS = {Term('base_tilt'): np.full(2, 0.01),
 FLOOR = ARM.instrument  # of the range of a joint's torque: what no model of an arm explains
 _DIRECTIONS, _LEAST = 24, 0.002  # of calibration that move a torque by this share of its range
 _NOISE_KNOWN = 0.4  # of the mean square of noise: its standard deviation to a fifth
-_BLOCKS = 16
+_BLOCKS, _FEWEST = 16, 4
+_ANOTHER = 2.0  # independent errors of a block at least: one alone is like its neighbours
 _INDEPENDENT = ARM.independent  # errors of a block
 
 
@@ -118,8 +119,10 @@ class Gram:
         """Sum the products of all columns in each block."""
         pieces, terms = self.channels.pieces, [CALIBRATION, *self.channels.terms]
         whole = sum(len(one.t) for one in pieces)
+        least = _ANOTHER * self.channels.samples_per_error
+        size = max(whole / _BLOCKS, min(least, whole / _FEWEST))
         blocks = [(one, rows) for one in pieces for rows in np.array_split(
-            np.arange(len(one.t)), max(1, round(_BLOCKS * len(one.t) / whole)))]
+            np.arange(len(one.t)), max(1, round(len(one.t) / size)))]
         self.times = [(one.file, one.t[rows[0]], one.t[rows[-1]]) for one, rows in blocks]
         self.at = list[dict[Term, Any]]()
         self.s: Array

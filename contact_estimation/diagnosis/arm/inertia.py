@@ -13,11 +13,21 @@ from .arm_recording import Array
 _LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
 
 
+def _tensor(theta: Array) -> Array:
+    """Return the inertia about the origin, shape (3, 3)."""
+    xx, xy, yy, xz, yz, zz = theta[4:]
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def centred(theta: Array) -> tuple[float, Array, Array]:
+    """Return mass, centre (3,), and inertia about the centre (3, 3) of ten parameters."""
+    mass, c = float(theta[0]), theta[1:4] / theta[0]
+    return mass, c, _tensor(theta) - mass * ((c @ c) * np.eye(3) - np.outer(c, c))
+
+
 def pseudo_inertia(theta: Array) -> Array:
     """Return the matrix (4, 4) that is positive definite for each possible body."""
-    mass, h = theta[0], theta[1:4]
-    xx, xy, yy, xz, yz, zz = theta[4:]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    mass, h, J = theta[0], theta[1:4], _tensor(theta)
     upper = 0.5 * np.trace(J) * np.eye(3) - J
     return np.block([[upper, h[:, None]], [h[None, :], np.array([[mass]])]])
 

@@ -23,6 +23,7 @@ _PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'zero')
 """Groups that most joints have; others may be bent to hide a law that joints share."""
 
 _PAIR = ('dry_friction', 'viscous_friction')
+_USUAL = ('coulomb_friction', 'viscous_friction', 'reflected_inertia', 'joint_spring')
 
 _TRIED, _STEPS, _ROUNDS = 4, 12, 3  # shared laws refined; steps in a joint; passes over joints
 _NEAR = 8.0  # nats below the best, up to which a law is compared in the place of another
@@ -53,11 +54,15 @@ class ArmModels:
         constants: Constants = ARM,
     ) -> None:
         self.gram, self._progress, self._c = gram, progress, constants
-        every = [term for term in gram.channels.terms if term.effect != 'force_bias']
-        self.zeros = frozenset(gram.channels.terms) - frozenset(every)
+        self.zeros = frozenset(one for one in gram.channels.terms if one.effect == 'force_bias')
+        every = [term for term in gram.channels.terms
+                 if term not in self.zeros and not _is_rotor(gram, term)]
         self._shared = [term for term in every if term in gram.shared]
+        self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
                        for j in gram.joints}
+        self._sharp = {j: min(term.shape for term in terms if term.effect == 'coulomb_friction')
+                       for j, terms in self._local.items()}
         counts: dict[str, set[Place]] = {}
         for term in every:
             counts.setdefault(term.effect, set()).add(term.place)
@@ -150,9 +155,20 @@ class ArmModels:
         """Improve the laws of one joint, with the shared coefficients as they are."""
         judge = _JointJudge(self, model, k)
         mine = frozenset(judge.local)
-        rest, here = model - mine, judge.score(mine)
+        # Laws that lack together hide each other: from all usual ones, too, down to those needed.
+        usual = {term for term in self._local[j]
+                 if term.effect in _USUAL and not term.shape > self._sharp[j]}
+        ends = [self._climb(judge, start, model - mine, self._local[j])
+                for start in (mine, mine | frozenset(self._can_add(mine, usual)))]
+        return frozenset(model - mine | max(ends, key=lambda one: judge.score(frozenset(one))))
+
+    def _climb(
+        self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
+    ) -> Model:
+        """Change a law at a time as long as a joint gains."""
+        here = judge.score(mine)
         for _ in range(_STEPS):
-            scores = {one: judge.score(one) for one in self.neighbours(mine, self._local[j])}
+            scores = {one: judge.score(one) for one in self.neighbours(mine, every)}
             better = sorted((one for one in scores if scores[one] > here), key=lambda one:
                             -scores[one])
             # Values may prove impossible once the shared coefficients are fitted, too.
@@ -160,7 +176,7 @@ class ArmModels:
             if found is None:
                 break
             mine, here = found, scores[found]
-        return rest | mine
+        return mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
         """Return models with one law more, less, or exchanged for another of its group."""
@@ -196,12 +212,31 @@ class ArmModels:
                          if term in self.gram.shared or group_of(term)[0] in _PLAIN)
         gains = []
         for term in self._can_add(model, self._shared):
-            gain, best = max((self.score(start | {term}) - self.score(start), k)
-                             for k, start in enumerate((model, core)))
-            if gain > -_NEAR:  # the laws of the joints are bent to do without it
-                gains.append((gain, (model, core)[best] | {term}))
+            starts = [self._possible(start | {term}) for start in (model, core)]
+            here, bare = (self._promise(wider) - self.score(start)
+                          for wider, start in zip(starts, (model, core)))
+            if max(here, bare) > -_NEAR:  # the laws of the joints are bent to do without it
+                gains.append((max(here, bare), starts[:1 + (bare > here)]))
         gains.sort(key=lambda pair: -pair[0])
-        return self._known([self._refined(start) for _, start in gains[:_TRIED]])
+        return self._known([self._refined(start) for _, starts in gains[:_TRIED]
+                            for start in starts])
+
+    def _promise(self, model: Model) -> float:
+        """Return the score of a model even if its values are not possible before refinement."""
+        score = self.score(model)
+        return score if np.isfinite(score) else self._zero.score(
+            self.as_scored(model, self.gram.fit(model)))
+
+    def _possible(self, model: Model) -> Model:
+        """Drop laws of joints whose values are not possible: another law does what they did."""
+        while self.score(model) == -np.inf:
+            theta = self.gram.fit(model).theta
+            stand_in = {one for one in model - self._shared_laws - self.zeros
+                        if not JOINT_EFFECTS[one.effect].possible(theta[one])}
+            if not stand_in:
+                break
+            model -= stand_in
+        return model
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models without each law of a model, and with another in its place."""
@@ -218,9 +253,10 @@ class ArmModels:
                 likely = sorted((other for other in others if scores[other] > best - _NEAR),
                                 key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
-        for term in sorted(model & frozenset(self._shared)):
+        for term in sorted(model & self._shared_laws):
+            instead = [*self._shared, *self._local.get(term.place, ())]
             near += [model - {term} | {other}
-                     for other in self._can_add(model - {term}, self._shared) if other != term]
+                     for other in self._can_add(model - {term}, instead) if other != term]
         return self._known(near)
 
     def to_the_end(self, one: Scored) -> Scored | None:
@@ -276,6 +312,13 @@ class _JointJudge:
         return float(likelihood.sum()) - sum(
             c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
             for term, width in zip(terms, widths) if term not in self._space.zeros)
+
+
+def _is_rotor(gram: Gram, term: Term) -> bool:
+    """Return whether all that shows of a link is an inertia about its own joint."""
+    shown = [np.einsum('bpp->p', gram.G[k])[at[term]] > 0.0
+             for k, at in enumerate(gram.at) if term in at]
+    return term.effect == 'link_inertia' and int(np.count_nonzero(shown)) <= 1
 
 
 def label(term: Term) -> str:

@@ -12,6 +12,7 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..observe.shares import MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ...physics import EFFECTS
 
@@ -56,10 +57,6 @@ def of_families(*families: str) -> frozenset[str]:
     """Return the names of the effects of some families."""
     return frozenset(name for name, cls in EFFECTS.items() if cls.family in families)
 
-
-# Shares of a range or of what is expected, in four steps of a factor of two to three. The checks
-# ask for no more: what they find differs from what is right by factors.
-SLIGHT, LITTLE, MUCH, MOST = 0.02, 0.1, 0.25, 0.5
 
 FOLLOWS, UNRELATED = sqrt(MOST), sqrt(MUCH)
 """Correlations: one signal explains most of the variance of another, or not much of it."""

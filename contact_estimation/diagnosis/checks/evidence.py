@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags, savgol_filter
 
-from .check import (
-    Early, Lag, Line, line_through, LITTLE, MOST, MUCH, Onset, Overlap, SLIGHT, Smooth)
+from .check import Early, Lag, Line, line_through, Onset, Overlap, Smooth
 from ..observe.parts import continuous_parts
+from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import LEAST_SAMPLES, Recording, Signals
 from ..observe.smoothing import pace_of, white_noise_std
 from ...physics.robot_law import RobotLaw

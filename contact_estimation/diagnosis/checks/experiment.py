@@ -11,8 +11,9 @@ from typing import Sequence
 
 import numpy as np
 
-from .check import bend_of, Check, Finding, FOLLOWS, line_through, LISTED, LITTLE, MUCH, STRAIGHT
+from .check import bend_of, Check, Finding, FOLLOWS, line_through, LISTED, STRAIGHT
 from .evidence import Evidence
+from ..observe.shares import LITTLE, MUCH
 from ..observe.signals import lacks_rates
 from ...signals.stream_faults import CLEAR
 

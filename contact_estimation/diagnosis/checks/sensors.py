@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import medfilt
 
-from .check import Finding, LISTED, LITTLE, MOST, MUCH, SLIGHT, WORTH_A_NAME
+from .check import Finding, LISTED, WORTH_A_NAME
 from .evidence import Evidence
+from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ..observe.smoothing import quantisation_step
 from ...physics.numeric import stretches

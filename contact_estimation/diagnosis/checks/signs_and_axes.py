@@ -10,8 +10,9 @@ from typing import Mapping
 
 import numpy as np
 
-from .check import Finding, FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
+from .check import Finding, FOLLOWS, UNRELATED, WORTH_A_NAME
 from .evidence import Evidence
+from ..observe.shares import LITTLE, MUCH
 from ..observe.signals import Signals
 from ...signals.stream_faults import CLEAR
 

@@ -10,9 +10,10 @@ from typing import Sequence
 
 import numpy as np
 
-from .check import Check, Finding, FOLLOWS, LITTLE, MOST, MUCH, SLIGHT
+from .check import Check, Finding, FOLLOWS
 from .evidence import Evidence
 from ..observe.parts import spans_of
+from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import LEAST_SAMPLES
 from ...physics import EFFECTS
 from ...signals.stream_faults import bursts_of

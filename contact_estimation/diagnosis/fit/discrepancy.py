@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
+from .constants import CONSTANTS
 from .fitting import differentiate_by, Fit, jacobian_at, residual_function
-from ..checks.check import WORTH_A_NAME
 from ..observe.channel import Channel, Discount, LEAST_VARIANCE, sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals, response_to, ROBUST
+from ..observe.shares import LITTLE
 
 Array = NDArray[np.float64]
 
@@ -40,8 +41,6 @@ UNCERTAINTIES = (
 known to 0.2 %, stamps to 0.03 ms."""
 
 _MOST_STEPS = 200
-_LEAST_STEP = 0.1  # standard deviations of the motion
-_SHOWS = 0.1  # of the least variance that a discount takes away: as much may add up
 _STANDS_OUT = 10.0  # times the median: else it is not a step
 _AROUND = 5  # samples among which it stands out
 _UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
@@ -109,7 +108,7 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
     pushes = np.diff(robot.mass * a_r + robot.damping * v_r + robot.stiffness * x_r)
     jumps = pushes - median_filter(pushes, _AROUND)
     size = np.abs(jumps) * o.h  # impulse of a whole sample [N s]
-    least = max(_LEAST_STEP * recording.motion.noise * o.observer_cutoff * robot.mass,
+    least = max(LITTLE * recording.motion.noise * o.observer_cutoff * robot.mass,
                 _STANDS_OUT * float(np.median(size)))
     steps = np.argsort(-size)[:_MOST_STEPS]
     pulse = np.zeros(len(o.t))
@@ -117,7 +116,7 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
     response = _response(recording, pulse, model)
     variance = float(np.sum(recording.motion.average(response) ** 2)) * (_UNIFORM * jumps) ** 2
     responses = []
-    for k in steps[(size[steps] > least) & (variance[steps] > _SHOWS * LEAST_VARIANCE)].tolist():
+    for k in steps[(size[steps] > least) & (variance[steps] > LITTLE * LEAST_VARIANCE)].tolist():
         for first in (k, k + 1):  # two pulses span its possible courses within the sample
             moved = np.zeros(len(o.t))
             moved[first:] = response[:len(o.t) - first] * jumps[k] * _UNIFORM
@@ -214,7 +213,7 @@ def material(recordings: Recordings, model: Model) -> set[int]:
 
 def least_material(recording: PreparedRecording) -> float:
     """Return the least force that is worth a name."""
-    return WORTH_A_NAME * recording.observed.force_range
+    return CONSTANTS.instrument * recording.observed.force_range
 
 
 def force_of_motion(recording: PreparedRecording, model: Model) -> float:

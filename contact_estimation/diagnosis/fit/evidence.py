@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from .constants import CONSTANTS, Constants
 from ..observe.model import names_of
+from ..observe.shares import SLIGHT
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -48,6 +49,9 @@ Relative difference up to which scores are equal, and absolute one of scores bel
 A search ends at this relative gain, and sums of squares in variances of the noise that differ by
 less than 1 are equally likely for any data.
 """
+
+NOISE_IS_KNOWN = 1.2
+"""Factor by which noise may be larger than measured."""
 
 _BY_PRIOR = (*ZEROS, *(name for name in EFFECTS if name not in ZEROS))
 
@@ -97,9 +101,7 @@ def is_tie(score: float, other: float) -> bool:
     return score == other or abs(score - other) <= TIE * max(1.0, abs(other))
 
 
-_NOISE_IS_KNOWN = 1.2  # factor by which it may be larger than measured
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
-_LEAST = 0.01  # of the mean misfit, or of noise: the least misfit of a part
 _ALL_IN_ONE = 1e-3  # share of the misfit in all parts but one: a jackknife tells nothing
 _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
 
@@ -162,7 +164,7 @@ class Evidence:
         every = list(models)
         least = np.min([one.fitted for one in every], axis=0)
         level = self.ranked([one for one in every if not one.laws])[0]
-        return replace(self, noise=np.clip(least, 1.0, _NOISE_IS_KNOWN**2), level=level)
+        return replace(self, noise=np.clip(least, 1.0, NOISE_IS_KNOWN**2), level=level)
 
     @cached_property
     def misfit(self) -> Array:
@@ -259,7 +261,7 @@ def share_of(
     """Return the share of the misfit of the base that is left before a law and not after it."""
     base = _misfits(evidence, evidence.base, channel)
     noise = (evidence.base.counts * evidence.as_force).sum(axis=1)
-    base = np.maximum(base, max(_LEAST * float(base.mean()), _LEAST * float(noise.mean())))
+    base = np.maximum(base, max(SLIGHT * float(base.mean()), SLIGHT * float(noise.mean())))
     gain = _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
     weights = np.minimum(1.0, _OUTWEIGHS * np.median(base) / base)
     gained, whole = weights * gain, weights * base

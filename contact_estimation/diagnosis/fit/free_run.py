@@ -18,6 +18,7 @@ from ..observe.model import Model
 from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
+from ..observe.shares import LITTLE
 from ...parameters import build, flatten
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
@@ -32,7 +33,6 @@ _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
 _RESOLVED = 0.2  # [rad] of the oscillation of robot and wall, a step
 _MOST_STEPS = 100.0
-_SLOW_TOUCH = 0.1  # of the greatest speed: of a touch-down
 _NEAR = 1e-9  # [m] or [N]: the laws are linear in small states
 _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
@@ -63,7 +63,7 @@ def steps_a_sample(model: Model, o: Observed) -> int:
     least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
     x = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least)
     fast, slow = float(np.max(np.abs(o.v))), 0.1 * model.nominal.sign_velocity
-    states = laws.contact.settle(0.0, x, _SLOW_TOUCH * fast, (0.0,) * laws.contact.states)
+    states = laws.contact.settle(0.0, x, LITTLE * fast, (0.0,) * laws.contact.states)
     touch = [laws.contact.touch(0.0, x, v, states, math).resistance for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
     steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.link_mass

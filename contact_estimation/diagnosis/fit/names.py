@@ -95,7 +95,8 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     """
     Drop names of which the share is too little, or not above 0 with 95 % over the parts.
 
-    What is little of a law is told by what the zeros leave.
+    What is little of a law is told by what the zeros leave. Those stay in the model of a law, as
+    every rig has some: without them the law would bend to make up for them.
     """
     evidence = compared.evidence
     c = evidence.constants
@@ -107,7 +108,7 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
               if share.share < least * (1.0 if effect in ZEROS else of_laws)
               or _may_be_none(share) and _may_be_none(
                   _beside(compared, named, effect, without) or share)]
-    fewer = _dropped(compared, named, little, without) if little else None
+    fewer = _dropped(compared, named, little, without, ZEROS) if little else None
     if fewer is not None:
         return _worth(compared, fewer, without)
     listed = {one for each in named.names for one in each.alike}
@@ -128,18 +129,27 @@ def without_least(compared: Compared, named: Named, without: Without) -> Named:
 
 
 def _dropped(
-    compared: Compared, named: Named, effects: Sequence[str], without: Without
+    compared: Compared, named: Named, effects: Sequence[str], without: Without,
+    stays: Sequence[str] = (),
 ) -> Named | None:
-    """Drop names; None where the model without them is not known."""
-    model = _known(compared, named.model, effects, without)
+    """Drop names, and from the model what does not stay; None where that is not known."""
     kept = [one for one in named.names if one.effect not in effects]
+    gone = [effect for effect in effects if effect not in stays]
+    if not any(one.effect not in ZEROS for one in kept):  # nothing is left that needs them
+        gone = sorted(_own(named.model) - {one.effect for one in kept})
+    model = _known(compared, named.model, gone, without)
     return None if model is None else named._replace(model=model, names=kept)
 
 
 def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
-    """Divide what is explained among the names: zeros first, then the law that takes away most."""
+    """
+    Divide what is explained among the names: zeros first, then the law that takes away most.
+
+    Zeros that are not named count with the first law, which needs them.
+    """
     left, found = [one.effect for one in named.names], dict[str, Part]()
-    present = _known(compared, named.model, left, without)
+    zeros = sorted(_own(named.model) & {*ZEROS} - {*left})
+    present = _known(compared, named.model, [*left, *zeros], without)
     while left and present is not None:
         shares = dict[str, tuple[Share, Scored]]()
         for one in [one for one in left if one in ZEROS] or left:
@@ -157,6 +167,11 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
         if last is not None and part.share.share < compared.evidence.constants.worth:
             found[effect] = max(part, part._replace(share=last), key=lambda one: one.share.share)
     return found
+
+
+def _own(model: Scored) -> set[str]:
+    """Return the effects of a model that the nominal one has not."""
+    return {effect for effect, family in zip(model.effects, model.families) if family}
 
 
 def _beside(compared: Compared, named: Named, effect: str, without: Without) -> Share | None:

@@ -10,9 +10,10 @@ from another: both then have the same weight, and are listed with each other.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from functools import cached_property
-from typing import Callable, NamedTuple, Sequence, TypeVar
+from typing import Callable, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +27,12 @@ from .screening import measure_scales, Screening, Step
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
+from ..observe.shares import MUCH, SLIGHT
 from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
 
 Array = NDArray[np.float64]
 
-_SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _STROKES = 1.5  # ranges of the motion: its path, if it returns
 
 
@@ -74,7 +75,7 @@ def _impossible(cls: type[Effect], recordings: Recordings, model: Model) -> str:
 def _is_pressed(recordings: Recordings, model: Model) -> bool:
     """Return whether a permanently attached wall is only pressed in recordings, never pulled."""
     surface = model.nominal.environment.location
-    return all(float(np.min(one.observed.x)) - surface > -_SLACK * float(np.ptp(one.observed.x))
+    return all(float(np.min(one.observed.x)) - surface > -SLIGHT * float(np.ptp(one.observed.x))
                for one in recordings)
 
 
@@ -84,9 +85,8 @@ def _returns(recording: PreparedRecording) -> bool:
     return float(np.sum(np.abs(np.diff(x)))) > _STROKES * float(np.ptp(x))
 
 
-# Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
-# in the direction in which it is clipped less.
-_LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
+# Of a clipped force, in standard deviations of its noise and as a share of the limit.
+_LEVEL, _SLOPE = 3.0, 0.01
 
 
 def is_credible(recordings: Recordings, model: Model) -> bool:
@@ -121,21 +121,13 @@ class _Recorded:
         swing = np.hypot(model.stiffness * np.std(o.x[held]), model.damping * np.std(o.v[held]))
         up, most = np.count_nonzero(force[held] > 0.0), np.count_nonzero(held)
         return bool(swing > one.force_noise
-                    and min(up, most - up) <= _MOST_HELD * np.count_nonzero(one.use))
+                    and min(up, most - up) <= MUCH * np.count_nonzero(one.use))
 
 
-class _Counts(NamedTuple):
-    """How many effects are fitted briefly, longer, and scored: the best, and further families."""
-
-    tried: tuple[int, int]
-    followed: tuple[int, int]
-    scored: tuple[int, int]
-    branches: int  # of a resonance
-
-
+# How many effects are fitted briefly, longer, and scored beside none; half as many beside others.
+_TRIED, _FOLLOWED, _SCORED = 12, 8, 6
+_OF_FAMILY = 2  # of them; `siblings` has the others
 _STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
-_BESIDE_NONE = _Counts((8, 6), (5, 3), (4, 3), 12)
-_BESIDE_OTHERS = _Counts((5, 3), (3, 1), (2, 1), _BRANCHES)
 _BRIEF, _LONGER, _TO_THE_END = 4, 8, 25  # steps of fits
 
 
@@ -214,19 +206,19 @@ class ContactModels:
                  if EFFECTS[name].family not in one.named]
         self._progress(f'{len(names)} effects')
         here, by_name = fit_at(recordings, present), self._screening.steps(present, names)
-        counts = _BESIDE_OTHERS if one.named else _BESIDE_NONE
+        part = 2 if one.named else 1
         ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
-        first = _first_of(list(by_name), str, counts.tried)
-        tried = [self._tried(recordings, here.cost, by_name[name], counts.branches)
+        first = _first_of(list(by_name), str, _TRIED // part)
+        tried = [self._tried(recordings, here.cost, by_name[name])
                  for name in dict.fromkeys([*first, *ringing])]
         rough = ranked([each for each in tried if is_credible(recordings, each.model)],
                        lambda found: found.cost)
         longer = ranked([
             fit(recordings, each.model, _LONGER, known=each.residuals)
-            for each in _first_of(rough, lambda each: each.name, counts.followed)],
+            for each in _first_of(rough, lambda each: each.name, _FOLLOWED // part)],
             lambda found: found.cost)
         finished = [self._finished(each.model, _LONGER)
-                    for each in _first_of(longer, lambda each: each.name, counts.scored)]
+                    for each in _first_of(longer, lambda each: each.name, _SCORED // part)]
         return [each for each in finished if each is not None]
 
     def siblings(self, one: Scored) -> list[Scored]:
@@ -239,13 +231,11 @@ class ContactModels:
                       and EFFECTS[other].family == EFFECTS[name].family]
             present = fit_at(recordings, rest).cost
             for steps in self._screening.steps(rest, others).values():
-                near = self._tried(recordings, present, steps, _BESIDE_OTHERS.branches).model
+                near = self._tried(recordings, present, steps).model
                 found.append(self._finished(near, _TO_THE_END))
         return [each for each in found if each is not None]
 
-    def _tried(
-        self, recordings: Recordings, present: float, steps: Sequence[Step], branches: int
-    ) -> Fit:
+    def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
         """Fit an effect briefly, from the best of its steps, or from afar where these fail."""
         rings = EFFECTS[steps[0].name].resonates
         several, near = self._driven or rings, list[Fit]()
@@ -258,7 +248,9 @@ class ContactModels:
                      for step in (steps if rings else steps[:_STARTS])]
         near.sort(key=lambda found: found.cost)
         if rings or near[0].cost >= present:
-            return self._from_afar(recordings, near, branches if rings else _BRANCHES)
+            alone = len(_laws(steps[0].start)) == 1
+            return self._from_afar(
+                recordings, near, 2 * _STARTS if rings and alone else _BRANCHES)
         return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
 
     def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
@@ -305,14 +297,13 @@ Item = TypeVar('Item')
 
 
 def _first_of(
-    items: Sequence[Item], name_of: Callable[[Item], str], count: tuple[int, int]
+    items: Sequence[Item], name_of: Callable[[Item], str], count: int
 ) -> list[Item]:
-    """Return the first items, and the first of each of some families that these lack."""
-    most, families = count
-    chosen, seen = list(items[:most]), {EFFECTS[name_of(one)].family for one in items[:most]}
-    for one in items[most:]:
-        if EFFECTS[name_of(one)].family not in seen and families:
-            seen.add(EFFECTS[name_of(one)].family)
-            chosen.append(one)
-            families -= 1
-    return chosen
+    """Return the first items that are not the third of their family."""
+    found, seen = list[Item](), Counter[str]()
+    for one in items:
+        family = EFFECTS[name_of(one)].family
+        seen[family] += 1
+        if seen[family] <= _OF_FAMILY:
+            found.append(one)
+    return found[:count]

@@ -16,16 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.shares import LITTLE, MOST, MUCH
 from ..observe.signals import Signals
 from ...reference.reference_generator import quintic
 
 Array = NDArray[np.float64]
 
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
-_FELT, _FIRM, _NOISE = 0.01, 0.15, 5.0  # of the range of the force; standard deviations
+_FELT, _NOISE = 0.01, 5.0  # of the range of the force; standard deviations
 _RESOLVED = 3.0  # times the path within which a contact begins
-_OTHER, _FULLY = 0.15, 0.8  # difference of K_e, in the usual one; share of the misfit
-_ALIKE, _EXPLAINED = 0.3, 0.5  # of the range of the places; share of the misfit
 
 
 class Contact(NamedTuple):
@@ -57,8 +56,8 @@ class Surfaces(NamedTuple):
         """Whether the stiffness differs between contacts, which explains what is missing."""
         if len(self.springs) < 2 or float(np.min(self.springs)) <= 0.0:
             return False
-        return bool(np.ptp(self.springs) > _OTHER * np.median(self.springs)
-                    and self.explained_by_springs > _FULLY)
+        return bool(np.ptp(self.springs) > LITTLE * np.median(self.springs)
+                    and self.explained_by_springs > 1.0 - MUCH)
 
     @property
     def are_apart(self) -> bool:
@@ -66,8 +65,8 @@ class Surfaces(NamedTuple):
         if len(self.fitted) < 2 or self.stiffness <= 0.0:
             return False
         apart, differ = float(np.ptp(self.touched)), self.fitted - self.touched
-        return (apart > _RESOLVED * self.blur and float(np.ptp(differ)) < _ALIKE * apart
-                and self.explained > _EXPLAINED)
+        return (apart > _RESOLVED * self.blur and float(np.ptp(differ)) < MUCH * apart
+                and self.explained > MOST)
 
 
 def surfaces_of(recordings: Recordings) -> Surfaces:
@@ -180,6 +179,6 @@ def _contacts(recording: PreparedRecording) -> list[tuple[int, int]]:
         else:
             joined.append((first, stop))
     # What a cable or a mount pushes in free flight is no contact.
-    firm = _FIRM * o.force_range
+    firm = LITTLE * o.force_range
     return [(first, stop) for first, stop in joined if first > 0 and stop - first >= least
             and float(np.max(-o.force[first:stop])) > firm]

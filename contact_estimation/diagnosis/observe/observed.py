@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from .observer import OBSERVER_CUTOFF, run
+from .shares import MUCH
 from .signals import check_signals, Signals
 from .smoothing import (
     differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
@@ -29,7 +30,6 @@ Flags = NDArray[np.bool_]
 _START_S = 0.5
 _AT_REST = 0.05  # of the greatest speed
 _SLOWER = 1.5  # times the sample period
-_NEARLY_ALL = 0.75  # of the samples: else the positions have a rate of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,7 @@ def observe(
     position = np.where(sampled, position, x)
     return Observed(
         t, h, force, measured, position, x, v, a, reference, noise, cutoff,
-        _jitter(signals.joint_t), between, None if np.mean(sampled) > _NEARLY_ALL else sampled,
+        _jitter(signals.joint_t), between, None if np.mean(sampled) > 1.0 - MUCH else sampled,
         motion_error(x, v, h, coarse, cutoff, noise, position - x if static else None),
         _command_error(signals, model, t) if with_robot else None)
 

@@ -31,6 +31,9 @@ _FREQUENCIES = 4096  # at which spectra are averaged
 OBSERVER_CUTOFF = 50.0
 """omega_o [rad/s] at a pace of 1: errors in the time of an impact are forgotten in 40 ms."""
 
+FORGOTTEN = 12.0
+"""Times 1 / omega_o: the observer has forgotten any error."""
+
 
 def run(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
     """Simulate the dynamics from rest."""

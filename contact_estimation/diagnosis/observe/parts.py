@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .model import Model
 from .observed import Observed
+from .shares import LITTLE, MOST, MUCH, SLIGHT
 from .signals import check_signals, LEAST_SAMPLES, Recording, Signals
 from .smoothing import pace_of, white_noise_std
 from ...exceptions import RecordingError
@@ -21,14 +22,12 @@ from ...plant.plant_parameters import PlantParameters
 Array = NDArray[np.float64]
 
 _GAP_S, _GAP_PERIODS = 0.5, 10.0  # without a sample of wrench or joints
-_BRIEF, _STRAIGHT = 0.02, 0.005  # of the duration, of the range: that tells as much as samples
+_STRAIGHT = 0.005  # of the range: a line that tells as much as samples
 _OF_LINE = 3  # fewest samples on either side of it
 _OUTSIDE_PERIODS = 2.5  # between the ends of wrench and joints: else one outlasts the other
-_LEAST_KEPT = 0.8  # of the samples: else they are uneven, and there are no gaps
 _MOST_SAMPLES = {True: 30_000, False: 66_000}  # fitted as they are, with and without a robot
 _ENOUGH_SAMPLES = 20_000  # to which longer recordings are averaged
 _MOST_AVERAGED = 1 << 12
-_ONLY_NOISE = 1.1  # times the noise: power of what averaging removes
 _LEAST_CONTACT_S = 0.2
 
 
@@ -41,8 +40,8 @@ def continuous_parts(recording: Recording, model: PlantParameters) -> list[Recor
     spans = spans_of(whole)
     parts = [_cut(whole, first, last) for first, last in spans] if len(spans) > 1 else [whole]
     parts = [part for part in parts if _is_enough(part)]
-    if sum(len(part.wrench_t) for part in parts) < _LEAST_KEPT * len(whole.wrench_t):
-        parts = [whole]
+    if sum(len(part.wrench_t) for part in parts) < (1.0 - MUCH) * len(whole.wrench_t):
+        parts = [whole]  # the samples are uneven, and there are no gaps
     parts = [part for part in parts if _touches(part, model)] or parts
     most = _MOST_SAMPLES[model.environment.unilateral]
     return [_named(recording.name, _shortened(part, most), len(parts) > 1 or len(spans) > 1)
@@ -85,7 +84,7 @@ def spans_of(signals: Signals) -> list[tuple[float, float]]:
         steps = np.diff(stamps)
         long = steps > max(_GAP_S * pace, _GAP_PERIODS * float(np.median(steps)))
         pauses += [(float(stamps[k]), float(stamps[k + 1])) for k in np.flatnonzero(long).tolist()
-                   if steps[k] > _BRIEF * (end - begin) or not _goes_straight(stamps, values, k)]
+                   if steps[k] > SLIGHT * (end - begin) or not _goes_straight(stamps, values, k)]
     spans = []
     for pause, resume in sorted(pauses):
         if pause > begin:
@@ -145,7 +144,7 @@ def _is_smooth(signals: Signals, size: int) -> bool:
         t, means = _means(stamps, values, samples)
         noise = max(white_noise_std(values), 1e-4 * float(np.ptp(values)))
         left = np.minimum(np.abs(values - np.interp(stamps, t, means)), 4.0 * noise)
-        if np.mean(left**2) > (_ONLY_NOISE + 1.0 / samples) * noise**2:
+        if np.mean(left**2) > (1.0 + LITTLE + 1.0 / samples) * noise**2:
             return False
     return True
 
@@ -183,10 +182,7 @@ Flags = NDArray[np.bool_]
 
 _LEAST_SAMPLES = 30
 _FEW = 3  # episodes, from which on a whole one can be spared
-_STILL = 0.3  # of the longest path of a block: less motion tells little
-_NEAR = 0.02  # of the range: such places are the same
 _FELT = 0.005  # of the range of the force
-_MOSTLY_LATE = 0.5  # of the path in the last block: such a test grows
 _THIRDS, _BLOCKS = 3, 5  # of a single episode or an attached wall; blocks of each
 _LATE = (3, 4, 2)  # those that may be held out, the best place first
 
@@ -213,7 +209,7 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     pairs = [(first, stop) for first, stop in pairs if stop - first >= least]
     depths = [float(np.max(o.x[first:stop])) - model.nominal.environment.location
               for first, stop in pairs]
-    return [pair for pair, depth in zip(pairs, depths) if depth >= _NEAR * max(depths)]
+    return [pair for pair, depth in zip(pairs, depths) if depth >= SLIGHT * max(depths)]
 
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:
@@ -263,7 +259,7 @@ def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
     travel = np.concatenate(([0.0], np.cumsum(felt * np.abs(np.diff(o.x[first:stop])))))
     block = (stop - first) // count
     edges = stop - block * np.arange(count, -1, -1)
-    if travel[edges[-1 - _THIRDS] - first] < (1.0 - _MOSTLY_LATE) * travel[-1]:
+    if travel[edges[-1 - _THIRDS] - first] < (1.0 - MOST) * travel[-1]:  # it grows
         edges[:-1] = first + np.searchsorted(travel, travel[-1] * np.arange(count) / count)
     samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
@@ -272,7 +268,7 @@ def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
         blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
         moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
         known = [pair for pair in blocks if _visited(o.x, *pair)]
-        moving = [pair for pair, path in zip(blocks, moved) if path >= _STILL * max(moved)]
+        moving = [pair for pair, path in zip(blocks, moved) if path >= MUCH * max(moved)]
         begin, end = next(iter([pair for pair in known if pair in moving] or known or blocks))
         samples[begin:end] = True
         names.append(f'{o.t[begin]:.{digits}f} to {o.t[end - 1]:.{digits}f}')
@@ -282,6 +278,6 @@ def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
 def _visited(x: Array, begin: int, end: int) -> bool:
     """Return whether most places of a block are visited elsewhere too."""
     rest = np.sort(np.concatenate((x[:begin], x[end:])))
-    here, near = x[begin:end], _NEAR * float(np.ptp(x))
+    here, near = x[begin:end], SLIGHT * float(np.ptp(x))
     count = np.searchsorted(rest, here + near) - np.searchsorted(rest, here - near)
-    return float(np.mean(count > 0)) > 0.5
+    return float(np.mean(count > 0)) > MOST

@@ -17,6 +17,7 @@ from .channel import (
     Channel, Discount, force_error, force_noise, innovation_error, motion_noise, sum_blocks)
 from .model import Model
 from .observed import observe, Observed
+from .observer import FORGOTTEN
 from .parts import HeldOut, hold_out, require_contact
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
-_FORGOTTEN = 8.0  # times 1 / omega_o: the observer has forgotten an error
 _MOST = 8  # a model and those that differ from it in one value
 
 
@@ -129,7 +129,7 @@ class PreparedRecording:
         o, use = self.observed, self.use
         if self.dropped is not None:
             use = use.copy()
-            forgotten = round(_FORGOTTEN / (o.observer_cutoff * o.h))
+            forgotten = round(FORGOTTEN / (o.observer_cutoff * o.h))
             for edge in _edges(self.dropped):  # shorter drops between samples come before
                 use[max(0, edge - forgotten // 2):edge + forgotten] = False
         if o.sampled is not None:

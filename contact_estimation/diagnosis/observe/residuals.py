@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 ROBUST = 5.0
 """Standard deviations beyond which residuals count linearly (Huber 1964)."""
 
+_ONE = 2.0  # widths, from which on a smooth sign is one: tanh 2 = 0.96
+
 
 def residuals(
     recording: PreparedRecording, model: Model, robust: bool = True, briefly: bool = False
@@ -142,26 +144,33 @@ def _robot_innovations(
     if laws.contact.unilateral:
         force = at_touch_down(force, wall.penetration)
     if robot.joint is not None:
-        moved = run_jointed(robot, _push(recording, robot), force, float(o.x[0]), o.h)
+        push = _push(recording, model, robot, wall)
+        moved = run_jointed(robot, push, force, float(o.x[0]), o.h)
         return innovations(o.raw_position - moved, observer, o.observer_cutoff, o.h)
     system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
 
     def without_wall() -> Array:
-        moved = run(system, _push(recording, robot), float(o.x[0]), robot.stiffness)
+        push = _push(recording, model, robot, wall)
+        moved = run(system, push, float(o.x[0]), robot.stiffness)
         return innovations(o.raw_position - moved, observer, o.observer_cutoff, o.h)
 
-    alone = recording.robots.of(model.values_at('robot'), without_wall)
+    held = (model.base_values, model.values_at('contact')) if robot.drags else ()
+    alone = recording.robots.of((model.values_at('robot'), held), without_wall)
     return np.asarray(alone - innovations_of(force, system, observer, o.observer_cutoff, o.h))
 
 
-def _push(recording: PreparedRecording, robot: RobotLaw) -> Array:
+def _push(
+    recording: PreparedRecording, model: Model, robot: RobotLaw, wall: _AtWall
+) -> Array:
     """Return the force on the robot beside its own damping and stiffness, and the wall [N]."""
     o = recording.observed
     reference = o.reference_at(robot.reference_delay)
     if robot.is_linear:
         return np.asarray(robot.impedance_force(0.0, 0.0, reference))
-    return np.asarray(robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
-                      + robot.stiffness * o.x)
+    driven = robot.force_along(
+        o.t, o.x, o.v, reference, wall.force - robot.mass * o.a,
+        _ONE * model.nominal.sign_velocity)
+    return np.asarray(driven + robot.damping * o.v + robot.stiffness * o.x)
 
 
 def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:

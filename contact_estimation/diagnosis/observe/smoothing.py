@@ -14,11 +14,15 @@ from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import welch
 
+from .shares import MOST, SLIGHT
+
 Array = NDArray[np.float64]
 
-CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)  # at a pace of 1
-STEADY_CUTOFFS_HZ = (0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.5, *CUTOFFS_HZ)
-"""Those of a motion at nearly constant speed too."""
+STEADY_CUTOFFS_HZ = tuple(6.0 * 1.5**k for k in range(-7, 9))  # at a pace of 1
+"""Those of a motion at nearly constant speed."""
+
+CUTOFFS_HZ = STEADY_CUTOFFS_HZ[7:]
+"""Those of any motion, from 6 Hz on."""
 
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
 _SLOWEST = 0.003  # cycles per sample: below, the equations of `smooth` are nearly singular
@@ -130,9 +134,7 @@ def is_slow(h: float) -> bool:
     return h > _SLOWEST_S
 
 
-_WHOLE = 0.02  # of a step: largest deviation of quantised values from whole steps
 _COMMON, _NEARLY_ALL = 0.05, 0.97  # of the changes
-_RESTS = 0.5  # of the samples
 _MOST_STEPS = 1_000_000  # in the range of a signal; finer ones are rounded numbers
 _RARELY = 3.5  # standard deviations
 _BESIDE = 5  # samples: reach of an error of differentiation
@@ -151,7 +153,7 @@ def _of_changes(values: Array) -> float:
     """
     changes = np.abs(np.diff(values))
     rests = changes == 0.0
-    if np.mean(rests) < _RESTS or rests.all():
+    if np.mean(rests) < MOST or rests.all():
         return 0.0
     changes = changes[~rests]
     size = np.median(changes)
@@ -160,7 +162,7 @@ def _of_changes(values: Array) -> float:
     if len(common) == 0 or common[0] == 0.0:
         return 0.0
     multiples = changes / common[0]
-    whole = np.abs(multiples - np.round(multiples)) < _WHOLE
+    whole = np.abs(multiples - np.round(multiples)) < SLIGHT
     return float(common[0]) if np.mean(whole) > _NEARLY_ALL else 0.0
 
 
@@ -178,7 +180,7 @@ def _of_levels(values: Array) -> float:
     # The least difference is slightly off by rounding: fit it to the whole range.
     step = span / max(1.0, float(np.round(counts[-1])))
     counts = (levels - levels[0]) / step
-    return step if np.max(np.abs(counts - np.round(counts))) < _WHOLE else 0.0
+    return step if np.max(np.abs(counts - np.round(counts))) < SLIGHT else 0.0
 
 
 def motion_error(

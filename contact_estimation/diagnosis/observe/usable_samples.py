@@ -13,6 +13,8 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from .model import Model
 from .observed import Observed
+from .observer import FORGOTTEN
+from .shares import LITTLE, MUCH, SLIGHT
 from .signals import LEAST_SAMPLES, Recording
 from .smoothing import quantisation_step
 from ...physics.numeric import stretches
@@ -21,17 +23,10 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
-_NEARLY_NONE, _BRIEF = 0.1, 3  # of the force around, samples
-_UNLOADED = 0.02  # of the greatest depth and force
-_FORGOTTEN = 12.0  # times 1 / omega_o: the observer has forgotten any initial state
-_LOADED = 0.2  # of the greatest force
-_SPARED = 0.125  # of the samples
+_BRIEF = 3  # samples
 _CYCLE, _FORGETTING = 2, 4  # strokes
-_SLOW, _FASTEST = 0.02, 0.99  # of the speed that so many samples do not exceed
-_LONG, _SMOOTHED, _MOST_AT_REST = 0.02, 0.005, 0.7  # of the samples
-_HELD = 0.1  # of the range of the force
+_FASTEST, _SMOOTHED = 0.99, 0.005  # of the samples
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
-_REGULAR = 0.7  # of the values must be repeated as often as usual, give or take one
 _COARSE = 4.0  # quanta: smaller steps come from the resolution
 
 
@@ -41,7 +36,7 @@ def usable(model: Model, observed: Observed) -> Flags:
     use = np.ones(len(o.t), bool)
     use[:5] = use[-5:] = False
     if o.reference is not None and o.starts_moving:
-        use[:round(_FORGOTTEN / (o.observer_cutoff * o.h))] = False
+        use[:round(FORGOTTEN / (o.observer_cutoff * o.h))] = False
     laws = model.laws()
     if not laws.contact.unilateral:
         if not _starts_unloaded(model, o):
@@ -62,13 +57,13 @@ def _starts_unloaded(model: Model, observed: Observed) -> bool:
     o, wall = observed, model.nominal.environment
     if wall.inertia > 0.0:
         return False
-    return all(abs(float(signal[0])) < _UNLOADED * float(np.max(np.abs(signal)))
+    return all(abs(float(signal[0])) < SLIGHT * float(np.max(np.abs(signal)))
                for signal in (o.x - wall.location, o.force))
 
 
 def _starts_loaded(force: Array) -> bool:
     """Return whether a recording begins in the midst of a cycle."""
-    return abs(float(force[0])) > _LOADED * float(np.max(np.abs(force)))
+    return abs(float(force[0])) > MUCH * float(np.max(np.abs(force)))
 
 
 def _until_known(x: Array) -> int:
@@ -79,7 +74,7 @@ def _until_known(x: Array) -> int:
     be that of their memory; 0 where a cycle would be much of the recording.
     """
     strokes = np.cumsum(np.abs(np.diff(x))) / np.ptp(x)
-    known = int(min(strokes[round(_SPARED * len(strokes))], _FORGETTING))
+    known = int(min(strokes[round(LITTLE * len(strokes))], _FORGETTING))
     return int(np.searchsorted(strokes, known)) if known >= _CYCLE else 0
 
 
@@ -93,14 +88,14 @@ def held_at_rest(model: Model, observed: Observed) -> Flags | None:
     if o.reference is not None or wall.unilateral or wall.stiffness != 0.0:
         return None
     rests = np.zeros(len(o.t), bool)
-    slow = np.abs(o.v) < _SLOW * np.quantile(np.abs(o.v), _FASTEST)
+    slow = np.abs(o.v) < SLIGHT * np.quantile(np.abs(o.v), _FASTEST)
     for first, stop in stretches(slow):
-        rests[first:stop] = slow[first] and stop - first > _LONG * len(slow)
+        rests[first:stop] = slow[first] and stop - first > SLIGHT * len(slow)
     span = max(1, round(_SMOOTHED * len(slow)))
     inside = minimum_filter1d(rests, 2 * span + 1)
     force = uniform_filter1d(o.force, span)[inside]
-    differ = len(force) and np.ptp(force) > _HELD * o.force_range
-    return rests if differ and np.mean(rests) < _MOST_AT_REST else None
+    differ = len(force) and np.ptp(force) > LITTLE * o.force_range
+    return rests if differ and np.mean(rests) < 1.0 - MUCH else None
 
 
 def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | None:
@@ -123,7 +118,7 @@ def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | No
 
 def _nearly_none(size: Array) -> Flags:
     """Find brief drops whose samples, interpolated between stamps that jitter, are not quite 0."""
-    weak = size < _NEARLY_NONE * maximum_filter1d(size, 2 * _BRIEF + 1)
+    weak = size < LITTLE * maximum_filter1d(size, 2 * _BRIEF + 1)
     for first, stop in stretches(weak):
         weak[first:stop] &= stop - first <= _BRIEF
     return weak
@@ -157,7 +152,7 @@ def updates(values: Array) -> NDArray[np.int_]:
     if usual < 2 or len(starts) < LEAST_SAMPLES:
         return every
     size = float(np.median(np.abs(np.diff(values[starts]))))
-    regular = np.mean(np.abs(counts - usual) <= 1) >= _REGULAR
+    regular = np.mean(np.abs(counts - usual) <= 1) >= 1.0 - MUCH
     if not regular or size < _COARSE * quantisation_step(values):
         return every
     since = every - np.repeat(starts, counts)

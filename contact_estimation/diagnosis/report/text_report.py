@@ -95,10 +95,12 @@ def _parameters(d: Diagnosis) -> list[str]:
     if d.nominal.with_inertia:
         masses = (f'{getattr(d, name).values[2]:.6g}' for name in MODELS)
         lines.append(_row('  M_e [kg]', *masses))
-    for effect in d.nominal.given:
-        for key, *values in zip(names_of(effect), *(
-                getattr(d, name).values[getattr(d, name).place(effect)] for name in MODELS)):
-            lines.append(_row(f'  {effect}.{key}', *(f'{value:.6g}' for value in values)))
+    named = {one.name for one in d.effects}
+    for effect in d.corrected.effects:  # those of the nominal model, and zeros that are no names
+        for place, key in enumerate(names_of(effect) if effect not in named else ()):
+            lines.append(_row(f'  {effect}.{key}', *(
+                f'{model.values[model.place(effect)][place]:.6g}' if effect in model.effects
+                else '-' for model in (d.nominal, d.recalibrated, d.corrected))))
     return lines
 
 

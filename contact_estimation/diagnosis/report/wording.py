@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import isfinite, sqrt
 from typing import Sequence
 
-from ..checks.check import WORTH_A_NAME
+from ..checks.check import LISTED, WORTH_A_NAME
 from ..dependence import Dependence
 from ..location import Location
 from ..result import Diagnosis, NamedEffect
@@ -23,7 +23,6 @@ _PHASES = {
     'all': 'in all phases of contact',
 }
 _BETWEEN = {'smooth': 'smooth', 'held': 'held constant'}
-_LISTED = 4  # intervals or quantities in a sentence
 _LEAST_PERCENT = 0.1  # smaller shares are written as below it
 
 
@@ -148,8 +147,8 @@ def place_of(location: Location) -> str:
 
     Such as 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz'.
     """
-    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:_LISTED])
-    times += ', ...' if len(location.intervals_s) > _LISTED else ''
+    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:LISTED])
+    times += ', ...' if len(location.intervals_s) > LISTED else ''
     times = f' ({times})' if times else ''
     strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
     low, high = location.band_hz
@@ -192,7 +191,7 @@ def significant(tested: Sequence[Dependence]) -> str:
     """List what residuals depend on significantly, such as 'depth 90 %, time 65 %'."""
     found = sorted((one for one in tested if one.is_real), key=lambda one: -one.share)
     return ', '.join(f'{quantity(one)} {100.0 * one.share:.0f} %'
-                     for one in found[:_LISTED]) or 'no significant dependence'
+                     for one in found[:LISTED]) or 'no significant dependence'
 
 
 def quantity(one: Dependence) -> str:

@@ -147,10 +147,17 @@ class WallInference:
         self._touched = 0.5 * (x + onset), 0.5 * abs(x - onset) + error
         if not self.rhythm.blocks:
             self._x0 = onset  # powers of the depth are right near their reference only
-        if known.surface != known.surface:
+        if known.surface != known.surface or not self.rhythm.blocks and self._was_free_at(onset):
             self._look_near(*self._touched)
+            self.known = known._replace(surface=onset, surface_std=self._touched[1])
         elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
+
+    def _was_free_at(self, onset: float) -> bool:
+        """Return whether free flight went so deep into the wall as told that it is elsewhere."""
+        known = self.known
+        inside = onset - known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
+        return float(_SCALES[0]) * inside > _ALARM * sqrt(self._contact.variance)
 
     def alarms(self, shorts: Array) -> NDArray[np.bool_]:
         """Return which short blocks are not what the wall as known explains."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...diagnosis.arm.arm_recording import read_arm_recording
 from ...diagnosis.arm.conclude import diagnose_arm
 from ...diagnosis.arm.contact import diagnose_contact
+from ...diagnosis.arm.result import ArmDiagnosis
 from ...diagnosis.arm.text import as_dict
 from ...diagnosis.report.json_report import as_dict as contact_dict
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
@@ -278,23 +279,26 @@ def run_arm_trials(
         if only_write:
             continue
         if not report.exists():
-            found = as_dict(diagnose_arm(read_arm_recording(recording), urdf.read_text()))
+            diagnosis = diagnose_arm(read_arm_recording(recording), urdf.read_text())
+            found = as_dict(diagnosis)
             if pressing:
-                found = _with_contact(found, recording, urdf)
+                found = _with_contact(found, recording, urdf, diagnosis)
             report.write_text(json.dumps(found, indent=1) + '\n')
         outcomes.append(scored(
             json.loads(truth.read_text()), json.loads(report.read_text()), stem))
     return outcomes
 
 
-def _with_contact(report: dict[str, Any], recording: Path, urdf: Path) -> dict[str, Any]:
+def _with_contact(
+    report: dict[str, Any], recording: Path, urdf: Path, diagnosis: ArmDiagnosis
+) -> dict[str, Any]:
     """Return a report with the names of what the arm touches, after those of its joints."""
     dynamics = ArmDynamics(urdf.read_text())
     nominal = build(PlantParameters, {
         'environment.stiffness': _STIFFNESS, 'environment.damping': _DAMPING,
         'environment.location': _SURFACE - float(
             dynamics.pose(np.array(PRESSING[dynamics.model.name]), TIP)[1][2])})
-    contact = contact_dict(diagnose_contact([recording], urdf, nominal, parameters={
+    contact = contact_dict(diagnose_contact([recording], urdf, nominal, arm=diagnosis, parameters={
         'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': _DOWN.tolist()}))
     names = [{**one, 'joints': [], 'link': None, 'place': 'the wall'}
              for one in contact['effects']]

@@ -66,11 +66,16 @@ def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> li
     for truth, answer in answers:
         if answer.get('comparison') is None:
             continue
+        try:
+            compared = of_dict(answer['comparison'], CONSTANTS)
+        except KeyError as missing:
+            raise ParameterRangeError(
+                f'a comparison of the study must have {missing}, got one of another version; '
+                'delete the subfolder reports and diagnose again') from missing
         families = truth.get('families')
         if families is None:
             families = {EFFECTS[effect['name']].family for effect in truth['effects']}
-        found.append(JudgedTrial(of_dict(answer['comparison'], CONSTANTS),
-                                 frozenset(of_families(list(families)))))
+        found.append(JudgedTrial(compared, frozenset(of_families(list(families)))))
     return found
 
 

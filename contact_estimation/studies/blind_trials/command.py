@@ -52,7 +52,8 @@ def make_parser() -> Parser:
                         'each matters, and write them as JSON')
     parser.add_argument('--only-write', action='store_true',
                         help='write recordings, nominal models and truths; diagnose nothing')
-    parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
+    parser.add_argument('--seed', type=int, nargs='+', default=[0], metavar='S',
+                        help='seed of all random draws; the trials of several are pooled (0)')
     parser.add_argument('--jobs', type=int, metavar='N',
                         help='number of parallel processes (1), or of trials at a time on the '
                         'workers of --scheduler; more than one needs Dask (extra fleet)')
@@ -67,7 +68,9 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run, score and print a study."""
-    require_at_least(options, **dict.fromkeys((*_KINDS, 'seed'), 0), jobs=1)
+    require_at_least(options, **dict.fromkeys(_KINDS, 0), jobs=1)
+    if min(options.seed) < 0:
+        raise ParameterRangeError(f'--seed must be >= 0, got {min(options.seed)}')
     if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
             '--count, --clean, --unknown, --foreign and --arms are all 0; request at least one '
@@ -85,8 +88,8 @@ def run(options: Any) -> int:
 
 
 def _run_arms(folder: Path, options: Any, progress: Progress) -> None:
-    outcomes = run_arm_trials(folder, options.arms, options.seed, progress.show,
-                              options.only_write, options.pressing)
+    outcomes = [one for seed in options.seed for one in run_arm_trials(
+        folder, options.arms, seed, progress.show, options.only_write, options.pressing)]
     if outcomes:
         print(arm_text(outcomes))
         (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
@@ -94,8 +97,8 @@ def _run_arms(folder: Path, options: Any, progress: Progress) -> None:
 
 
 def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
-    trials = plan_study(options.count, options.clean, options.seed, options.unknown,
-                        options.foreign)
+    trials = [one for seed in options.seed for one in plan_study(
+        options.count, options.clean, seed, options.unknown, options.foreign)]
     with _workers(options) as started:
         scores = run_study(folder, trials, started, progress.show, options.only_write)
     progress.done()

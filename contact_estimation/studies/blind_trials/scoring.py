@@ -259,10 +259,10 @@ def groups(scores: Sequence[Score]) -> dict[str, dict[str, list[Score]]]:
     return split
 
 
-def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
+def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
     """Return a study as JSON content."""
     return {
-        'seed': seed,
+        'seed': seeds[0] if len(seeds) == 1 else list(seeds),
         'kinds': {kind: outcomes(part) for kind, part in _by_kind(scores).items()},
         'groups': {criterion: {label: outcomes(part) for label, part in parts.items()}
                    for criterion, parts in groups(scores).items()},
