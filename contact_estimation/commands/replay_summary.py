@@ -170,7 +170,9 @@ def print_summary(summary: dict[str, Any]) -> None:
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
     for axis, tare in summary.get('tare', {}).items():
         print(f'  {axis}: {Tare(**tare)}')
-    reason = f': {printable(summary["reason"])}' if summary['reason'] else ''
+    warned = {found['text'] for found in summary['warnings']}
+    said = not summary['reason'] or summary['reason'] in warned
+    reason = '' if said else f': {printable(summary["reason"])}'
     print(f'  status    {summary["status"]:>12}{reason}')
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
