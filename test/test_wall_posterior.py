@@ -32,8 +32,8 @@ def test_agrees_with_batch_least_squares_on_a_known_surface(seed: int) -> None:
     pressed = samples.depth > 1e-4
     d, v = samples.depth[pressed], np.gradient(samples.depth, samples.t)[pressed]
     batch = np.linalg.lstsq(np.stack([d, v], 1), samples.force[pressed], rcond=None)[0]
-    assert within(known.stiffness, batch[0], known.stiffness_std)
-    assert within(known.damping, batch[1], known.damping_std)
+    assert within(known.stiffness, batch[0], known.stiffness_std, 3.0)
+    assert within(known.damping, batch[1], known.damping_std, 3.0)
     assert known.stiffness_std < 0.01 * K
 
 

@@ -29,9 +29,9 @@ NOISE_SAMPLES = 300
 CLIPPED_SQUARE = 9.0
 """Largest second difference that counts, in variances: 0.3 % of Gaussian ones are larger."""
 
-COLOUR, COLOUR_DOUBT = (5, 25), 10.0
+COLOUR, COLOURED = (5, 25), 30.0
 """Samples over which means show noise that is not white, 10 and 50 ms at 500 Hz: hum of 5 to
-100 Hz; and the differences of them that the prior, white noise, is worth."""
+100 Hz; and how many times the variance of white noise theirs may be until they are seen."""
 
 LEVEL_WALK = 5e-3
 """Random walk of the sensor's zero [deviations of the noise per sqrt(s)]: 0.1 in 400 s."""

@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, COLOUR, COLOUR_DOUBT, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
+    ANYWHERE_M, CLIP, CLIPPED_SQUARE, COLOUR, COLOURED, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
     SEGMENT_S, SHIFT, SLOPE_STD, TOUCH)
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _SECOND = 6.0  # variance of a second difference of white noise
-_BRIEF = 2 * max(COLOUR)  # samples of a touch that hum of the longest period may pass for
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -67,15 +66,9 @@ class Colour:
     """
 
     def __init__(self) -> None:
-        self.excess = 1.0  # variance of means over that of white noise
+        self.excess = COLOURED  # variance of means over that of white noise
         self._scales = [_Scale(size) for size in COLOUR]
         self._waiting: list[float] = []
-
-    def interrupt(self) -> None:
-        """Begin new means, after samples that are no noise."""
-        self._waiting.clear()
-        for scale in self._scales:
-            scale.begin()
 
     @property
     def room(self) -> int:
@@ -83,7 +76,7 @@ class Colour:
         return self._scales[0].end - len(self._waiting)
 
     def learn(self, forces: Floats, white: float) -> None:
-        """Learn from samples, whose white noise has a variance."""
+        """Learn from samples of free flight, whose white noise has a variance; 0 for none."""
         self._waiting.extend(forces)
         if len(self._waiting) < self._scales[0].end:
             return
@@ -100,27 +93,28 @@ class _Scale:
     """Second differences of sums over so many samples."""
 
     def __init__(self, size: int) -> None:
-        self.size, self._ratio, self._count = size, 1.0, COLOUR_DOUBT
-        self.begin()
-
-    def begin(self) -> None:
+        self.size, self.end = size, size  # of the next sum
+        self._ratio, self._count = COLOURED, 1.0
         self._sums: list[float] = []
-        self.end = self.size  # of the next sum
 
     @property
     def least(self) -> float:
         """Return the variance over that of white noise, less two of its standard errors."""
-        return self._ratio * (1.0 - 2.0 / sqrt(self._count))
+        return self._ratio * max(1.0 - 2.0 / sqrt(self._count), 0.1)
 
     def learn(self, forces: list[float], white: float) -> None:
+        """Learn from the sums that are complete, beside white noise of a variance."""
         while self.end <= len(forces):
             self._sums = [*self._sums[-2:], sum(forces[self.end - self.size:self.end])]
             self.end += self.size
             if len(self._sums) == 3:
+                self._count = min(self._count + 1.0, NOISE_SAMPLES)
+                if not white:
+                    self._ratio = 1.0
+                    continue
                 bend = self._sums[2] - 2.0 * self._sums[1] + self._sums[0]
                 square = bend * bend / (_SECOND * self.size * white)
-                self._count = min(self._count + 1.0, NOISE_SAMPLES)
-                most = CLIPPED_SQUARE * self._ratio
+                most = CLIPPED_SQUARE * max(self._ratio, 1.0)
                 self._ratio += (min(square, most) - self._ratio) / self._count
 
 
@@ -148,7 +142,7 @@ class ContactFilter:
         self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment = Segment()
-        self._colour, self._pressed = Colour(), 0
+        self._colour = Colour()
 
     def expect_noise(self, least: float) -> None:
         """Set the least standard deviation of the force, which may change with the motion [N]."""
@@ -160,6 +154,7 @@ class ContactFilter:
         doubt = 1.0 + 2.0 * sqrt(4.0 / len(force))  # two of its standard deviations
         variance = max(doubt * float(np.mean(squares)) / _SECOND, self._least)
         self._noise = variance, float(force[-1]), float(force[-2]), 0, len(force)
+        self._colour = Colour()
         if free:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
 
@@ -170,7 +165,7 @@ class ContactFilter:
 
     def keep(self, other: ContactFilter) -> None:
         """Use the noise and the level of another filter of the same samples."""
-        self._noise, self._colour = (other._noise[0], *self._noise[1:]), other._colour
+        self._noise = other._noise[0], *self._noise[1:]
         self.set_level(other.level, other.level_variance)
 
     def set_level(self, level: float, variance: float) -> None:
@@ -200,25 +195,14 @@ class ContactFilter:
         surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
         """
         before, places, done = self.state, _places(x, surface, std), 0
-        if before == FREE:
-            self._pressed = 0
-        if self._pressed >= _BRIEF:
+        if before != FREE:
             done = self._judge(dt, force, x, places)
-        while done < len(force) and self.state == before:
-            end = done + min(self._colour.room, _BRIEF - self._pressed)
-            if before != FREE:  # in the wall as known there is a force, however brief
-                end = next((k for k in range(done, min(end, len(force))) if places[k] > 0.0), end)
-                if end == done:
-                    self._pressed = _BRIEF
+        while self.state == before == FREE and done < len(force):
+            end = done + self._colour.room
             count = self._judge(dt[done:end], force[done:end], x[done:end], places[done:end])
-            self._colour.learn(force[done:done + count], self._noise[0])
+            white = self._noise[0]
+            self._colour.learn(force[done:done + count], white if white > self._least else 0.0)
             done += count
-            if before != FREE:
-                self._pressed += count
-                if self._pressed >= _BRIEF:
-                    self._colour.interrupt()
-                    if self.state == before:
-                        done += self._judge(dt[done:], force[done:], x[done:], places[done:])
         if self.state != before:
             self._up = self._down = 0.0
             self._segment.clear()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .blocks import Blocks
 from .constants import (
     ANYWHERE_M, AS_TOLD, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, JITTER_S,
-    MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
+    MODEL_ERROR, MODEL_ERROR_S, NEAR, SHIFT, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, judge, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
@@ -157,7 +157,8 @@ class WallInference:
         """Return whether free flight went so deep into the wall as told that it is elsewhere."""
         known = self.known
         inside = onset - known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
-        return float(_SCALES[0]) * inside > _ALARM * sqrt(self._contact.variance)
+        # A force above 2 SHIFT deviations would have been seen.
+        return float(_SCALES[0]) * inside > 2.0 * SHIFT * sqrt(self._contact.variance)
 
     def alarms(self, shorts: Array) -> NDArray[np.bool_]:
         """Return which short blocks are not what the wall as known explains."""
