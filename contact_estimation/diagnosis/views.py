@@ -253,10 +253,7 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            if view.between == seen.view.between:
-                other = compare(view, progress, seen.models.parts)
-            else:  # the same laws at other values
-                other = _smoothed(_searched_again(other, progress), progress)
+            other = compare(view, progress, seen.models.parts)
             if _promises(other, seen):
                 seen = other
     return seen
