@@ -111,7 +111,7 @@ def test_first_contact_beside_a_known_effect_gives_the_wall() -> None:
             assert found.stiffness == pytest.approx(stiffness, rel=0.01 * K), name
             assert found.damping == pytest.approx(damping, abs=0.01 * B * B_e), name
         first = next(k for k, e in enumerate(estimates) if e.status is EstimateStatus.ESTIMATING)
-        assert first < ends[0] - 50, name
+        assert first < ends[0] - 25, name
         for estimate in estimates[first:]:
             assert isfinite(estimate.stiffness_std) and isfinite(estimate.location), name
 

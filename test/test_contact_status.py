@@ -76,7 +76,7 @@ def test_pull_is_no_contact_and_says_so() -> None:
 
 def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
     samples = two_presses()
-    zero = np.where(samples.t > 3.84, 2.0, 0.0)  # steps while the tool withdraws
+    zero = np.where(samples.t > 3.84, 3.0, 0.0)  # steps while the tool withdraws
     known, *_, lost = estimates_of(samples._replace(force=samples.force + zero))[int(
         np.searchsorted(samples.t, 3.0)):]
     assert (known.stiffness_std < 0.01 * K, known.reason) == (True, '')

@@ -100,7 +100,7 @@ def test_a_step_of_a_tracked_zero_is_followed_where_it_is_seen_and_else_told(
     recording = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'})
     left = recording.signals.force - force
     if place == 'in free flight':
-        assert np.sqrt(np.mean(left**2)) < 0.1
+        assert np.sqrt(np.mean(left**2)) < 0.4  # of 6 N, for the 40 ms until it is seen
         return
     end = int(pressing[200]) + int(np.argmax(x[pressing[200]:] < -0.005))
     assert np.median(left[end:]) - np.median(left[:at]) == pytest.approx(-6.0, abs=0.2)
