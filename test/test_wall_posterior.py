@@ -37,9 +37,6 @@ def test_agrees_with_batch_least_squares_on_a_known_surface(seed: int) -> None:
     assert known.stiffness_std < 0.01 * K
 
 
-# -- smoothing ----------------------------------------------------------------------------------
-
-
 # -- contact ------------------------------------------------------------------------------------
 
 def judged(contact_filter: ContactFilter, forces: Array, x: float = -1.0) -> list[int]:

@@ -177,16 +177,10 @@ def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
     models = ContactModels(recordings, base, progress=progress, parts=parts)
     seen = Seen(view, recordings, base, models, search(models, progress))
     if seen.driven and seen.best.effects:
-        seen = _searched_again(seen, progress)
+        models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
+        known = refit(models, seen.compared.models[:_REFITTED])
+        seen = seen._replace(models=models, compared=search(models, progress, known))
     return _smoothed(seen, progress)
-
-
-def _searched_again(seen: Seen, progress: Progress) -> Seen:
-    """Extend the best models with the discrepancy that the best of them leaves."""
-    models = ContactModels(
-        seen.recordings, seen.base, seen.best_model, progress, seen.models.parts)
-    known = refit(models, seen.compared.models[:_REFITTED])
-    return seen._replace(models=models, compared=search(models, progress, known))
 
 
 def _prepared(view: View) -> Recordings:

@@ -554,8 +554,9 @@ class EstimationPipeline:
             if now.valid:
                 return self._held, _ESTIMATING, ''
             return self._held, _FROZEN, LOCATING
-        lost = now.stiffness == now.stiffness and not now.valid
-        reasons = (_NEITHER,) * (state != FREE) + (_LOST,) * lost
+        reasons = [] if state == FREE else [_NEITHER]
+        if now.stiffness == now.stiffness and not now.valid:
+            reasons.append(_LOST)
         return self._held, _FREE, '; '.join(reasons)
 
     def _by_rows(

@@ -146,13 +146,12 @@ def decompressed(messages: list[RecordedMessage]) -> list[RecordedMessage]:
         return messages
     if not stream_reader.zstandard:
         raise MissingPackageError.of('zstandard', 'reading this compressed recording')
-    found, total = [], 0
+    found, total, decompressor = [], 0, stream_reader.zstandard.ZstdDecompressor()
     for message in messages:
         if message.data.startswith(_ZSTANDARD):
             try:
                 size = stream_reader.zstandard.frame_content_size(message.data)
                 _require_size(total + size)
-                decompressor = stream_reader.zstandard.ZstdDecompressor()
                 data = decompressor.decompress(message.data) if size >= 0 else (
                     decompressor.stream_reader(message.data).read(LARGEST_CHUNK - total + 1))
             except stream_reader.zstandard.ZstdError:

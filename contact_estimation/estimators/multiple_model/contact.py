@@ -11,13 +11,13 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .colour import Colour, SECOND
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, COLOUR, COLOURED, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
-    SEGMENT_S, SHIFT, SLOPE_STD, TOUCH)
+    ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
+    SLOPE_STD, TOUCH)
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
-_SECOND = 6.0  # variance of a second difference of white noise
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -56,68 +56,6 @@ class Segment:
         return len(self._x), float(mean[1, 0]), xx, xf, ff
 
 
-class Colour:
-    """
-    How much more the means of the noise scatter than those of white noise would.
-
-    Hum, or a force that wanders, averages out less. Means over the samples of COLOUR show it by
-    their second differences, as samples show the white noise: neither a level nor a slope, such
-    as that of a slow touch, is a part of them.
-    """
-
-    def __init__(self) -> None:
-        self.excess = COLOURED  # variance of means over that of white noise
-        self._scales = [_Scale(size) for size in COLOUR]
-        self._waiting: list[float] = []
-
-    @property
-    def room(self) -> int:
-        """Return the number of samples that change nothing but with the last of them."""
-        return self._scales[0].end - len(self._waiting)
-
-    def learn(self, forces: Floats, white: float) -> None:
-        """Learn from samples of free flight, whose white noise has a variance; 0 for none."""
-        self._waiting.extend(forces)
-        if len(self._waiting) < self._scales[0].end:
-            return
-        for scale in self._scales:
-            scale.learn(self._waiting, white)
-        self.excess = max(1.0, *(scale.least for scale in self._scales))
-        done = min(scale.end - scale.size for scale in self._scales)
-        del self._waiting[:done]
-        for scale in self._scales:
-            scale.end -= done
-
-
-class _Scale:
-    """Second differences of sums over so many samples."""
-
-    def __init__(self, size: int) -> None:
-        self.size, self.end = size, size  # of the next sum
-        self._ratio, self._count = COLOURED, 1.0
-        self._sums: list[float] = []
-
-    @property
-    def least(self) -> float:
-        """Return the variance over that of white noise, less two of its standard errors."""
-        return self._ratio * max(1.0 - 2.0 / sqrt(self._count), 0.1)
-
-    def learn(self, forces: list[float], white: float) -> None:
-        """Learn from the sums that are complete, beside white noise of a variance."""
-        while self.end <= len(forces):
-            self._sums = [*self._sums[-2:], sum(forces[self.end - self.size:self.end])]
-            self.end += self.size
-            if len(self._sums) == 3:
-                self._count = min(self._count + 1.0, NOISE_SAMPLES)
-                if not white:
-                    self._ratio = 1.0
-                    continue
-                bend = self._sums[2] - 2.0 * self._sums[1] + self._sums[0]
-                square = bend * bend / (_SECOND * self.size * white)
-                most = CLIPPED_SQUARE * max(self._ratio, 1.0)
-                self._ratio += (min(square, most) - self._ratio) / self._count
-
-
 class ContactFilter:
     """
     Two one-sided CUSUM tests against the force of free flight, and where the surface is known.
@@ -152,7 +90,7 @@ class ContactFilter:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
         squares = np.sort(np.square(np.diff(force, 2)))[:-1]  # an outlier makes one large
         doubt = 1.0 + 2.0 * sqrt(4.0 / len(force))  # two of its standard deviations
-        variance = max(doubt * float(np.mean(squares)) / _SECOND, self._least)
+        variance = max(doubt * float(np.mean(squares)) / SECOND, self._least)
         self._noise = variance, float(force[-1]), float(force[-2]), 0, len(force)
         self._colour = Colour()
         if free:
@@ -228,7 +166,7 @@ class ContactFilter:
             equal = equal + 1 if force == last else 0
             before, last = last, force
             if equal < _SAME:
-                square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
+                square, most = bend * bend / SECOND, CLIPPED_SQUARE * variance
                 if learned < NOISE_SAMPLES:
                     learned += 1
                 variance += ((square if square < most else most) - variance) / learned
