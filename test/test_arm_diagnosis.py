@@ -16,13 +16,11 @@ from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
-from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
+from contact_estimation.diagnosis.arm.corrected_robot import (
+    corrected_urdf, mjcf_snippet, of_pseudo_inertia, possible_inertial, pseudo_inertia)
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
-from contact_estimation.diagnosis.arm.inertia import (
-    of_pseudo_inertia, possible_inertial, pseudo_inertia)
-from contact_estimation.diagnosis.arm.page import as_html
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
-from contact_estimation.diagnosis.arm.text import as_dict, as_text
+from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside
 from contact_estimation.kinematics.description import joint_friction

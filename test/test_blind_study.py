@@ -13,10 +13,9 @@ from blind_worlds import answer, short_trial, truth
 from contact_estimation.diagnosis.fit.constants import Constants
 from contact_estimation.parameter_files import read_parameter_file
 from contact_estimation.physics import EFFECTS
-from contact_estimation.studies.blind_trials import study
-from contact_estimation.studies.blind_trials.command import main
-from contact_estimation.studies.blind_trials.study import (
-    diagnose_command, plan_study, PlannedTrial, run_trial)
+from contact_estimation.studies.blind_trials import command as study
+from contact_estimation.studies.blind_trials.command import (
+    diagnose_command, main, plan_study, PlannedTrial, run_trial)
 from contact_estimation.studies.blind_trials.trial import TrialFiles, write_json, write_trial
 import numpy as np
 import pytest

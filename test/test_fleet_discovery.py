@@ -12,7 +12,7 @@ from pathlib import Path
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
 from contact_estimation.fleet.discovery import find_recordings, skipped_files
 from contact_estimation.fleet.findings import changes, differences, trends
-from contact_estimation.fleet.fingerprint import Settings
+from contact_estimation.fleet.one_recording import Settings
 from contact_estimation.fleet.run import pools
 from contact_estimation.fleet.table import in_time
 from contact_estimation.plant.plant_parameters import PlantParameters

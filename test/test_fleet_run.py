@@ -14,8 +14,7 @@ from contact_estimation.commands import fleet as command_module
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.findings import changes
-from contact_estimation.fleet.fingerprint import Settings
-from contact_estimation.fleet.one_recording import Episodes, process, Result
+from contact_estimation.fleet.one_recording import Episodes, process, Result, Settings
 from contact_estimation.fleet.page import as_html, SECTIONS
 from contact_estimation.fleet.run import Fleet, Pool, PooledResult, run_fleet
 from contact_estimation.fleet.table import as_parquet, COLUMNS, rows_of

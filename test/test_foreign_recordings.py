@@ -11,9 +11,8 @@ from typing import Any, Callable
 import contact_estimation as ce
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.definitions import fresh_typestore
 from contact_estimation.recordings.encoding import (
-    encode_multi_array, JointStateEncoder, WrenchEncoder)
+    encode_multi_array, fresh_typestore, JointStateEncoder, WrenchEncoder)
 from contact_estimation.recordings.source import RecordingSource
 from mcap.writer import Writer
 import numpy as np

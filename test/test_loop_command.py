@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from contact_estimation.commands import loop
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.definitions import jazzy_typestore
+from contact_estimation.recordings.encoding import jazzy_typestore
 from contact_estimation.recordings.source import RecordingSource
 from layout_fields import CONFIG, of_foxglove, of_plotjuggler, RecordedFields
 import pytest

@@ -9,8 +9,7 @@ from typing import Any
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.plant.closed_loop import push
-from contact_estimation.plant.sensors import Sensors
+from contact_estimation.plant.closed_loop import push, Sensors
 from contact_estimation.plant.world import Truth, World
 from contact_estimation.reference.reference_generator import quintic
 import numpy as np

@@ -9,7 +9,7 @@ from math import nan
 from typing import Any
 
 from contact_estimation.reference.setpoints import Desired
-from contact_estimation.signals.stamp_screen import CONFIRMING
+from contact_estimation.signals.stream_faults import CONFIRMING
 from hostile_loop import CHANGES, Event, HostileLoop, TOPICS
 from hypothesis import given, Phase, settings, strategies as st
 import pytest

@@ -9,10 +9,9 @@ import json
 from pathlib import Path
 from typing import Any, Callable
 
-from contact_estimation.studies import paper_table as table_module
+from contact_estimation.studies import reproduce as table_module
 from contact_estimation.studies.paper_cases import ALL_CASES, BEST, Case, Errors, PAPER, STEP
-from contact_estimation.studies.paper_table import row_of
-from contact_estimation.studies.reproduce import main
+from contact_estimation.studies.reproduce import main, row_of
 import pytest
 
 KEYS = {

@@ -11,7 +11,7 @@ from contact_estimation.estimators import OFFLINE_ESTIMATORS
 from contact_estimation.estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from contact_estimation.signals.contact_sample import ContactRecording
 from contact_estimation.studies.paper_cases import step_recording
-from contact_estimation.studies.testbed_constants import B_E, K_E
+from contact_estimation.studies.testbed_arm import B_E, K_E
 import pytest
 
 TARGET = TargetImpedance()

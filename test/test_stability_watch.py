@@ -9,7 +9,7 @@ from dataclasses import replace
 from math import isnan, nan
 
 import contact_estimation as ce
-from contact_estimation.reference.stability_watch import StabilityParameters, StabilityWatch
+from contact_estimation.reference.stable_gains import StabilityParameters, StabilityWatch
 import pytest
 
 ROBOT = StabilityParameters('admittance', 5.0, 300.0, 0.0, 0.002, 0.01)

@@ -13,7 +13,7 @@ from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.plant.simulation import simulate_experiment, write_simulation
 from contact_estimation.recordings.columns import signals_of_columns
-from contact_estimation.recordings.table import read_columns
+from contact_estimation.recordings.table_file import read_columns
 import numpy as np
 import pytest
 from run_commands import Command

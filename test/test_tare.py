@@ -16,7 +16,7 @@ from contact_estimation.diagnosis.checks.signs_and_axes import axis
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.plant.simulation import simulate_experiment
-from contact_estimation.recordings.free_flight import FIRST, tare_of
+from contact_estimation.recordings.recorded_signals import FIRST, tare_of
 import numpy as np
 from numpy.typing import NDArray
 import pytest

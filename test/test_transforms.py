@@ -10,9 +10,8 @@ import struct
 from arm_transforms import static_bytes, transform
 from contact_estimation.exceptions import MessageError, ModelFileError, UnknownNameError
 from contact_estimation.kinematics.frame_tree import FrameTree
-from contact_estimation.kinematics.moving_frames import MovingFrames
-from contact_estimation.kinematics.transform_model import TransformModel
-from contact_estimation.recordings.transforms import StampedTransform, TransformsDecoder
+from contact_estimation.kinematics.transform_model import MovingFrames, TransformModel
+from contact_estimation.recordings.plain_decoding import StampedTransform, TransformsDecoder
 import numpy as np
 import pytest
 from reference_messages import deserialized, TF, transforms_bytes

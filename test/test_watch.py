@@ -17,7 +17,7 @@ from contact_estimation.recordings.mcap_file import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.watch import view as watch_view
 from contact_estimation.watch.layouts import PLOTS
-from contact_estimation.watch.readings import ContactLog, STATUS
+from contact_estimation.watch.live import ContactLog, STATUS
 import pytest
 from run_commands import Command
 

@@ -24,8 +24,7 @@ from ..parameter_files import read_parameter_file
 from ..parameters import specifications
 from ..pipeline.recorded_arm import recorded_description
 from ..recordings import RecordingReader
-from ..recordings.source import RecordingSource
-from ..recordings.topic_names import canonical
+from ..recordings.source import canonical, RecordingSource
 
 
 def make_parser() -> Parser:

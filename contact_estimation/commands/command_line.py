@@ -20,9 +20,9 @@ from ..parameter_files import read_parameter_file
 from ..parameters import without
 from ..recordings import RecordingReader
 from ..recordings.adaptation import STAMPS
+from ..recordings.bag_folder import is_bag_folder, is_recording
 from ..recordings.columns import KEYS
-from ..recordings.free_flight import FIRST
-from ..recordings.identity import is_bag_folder, is_recording
+from ..recordings.recorded_signals import FIRST
 from ..recordings.source import RecordingSource, TOPICS
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..texts import printable

@@ -14,9 +14,8 @@ from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv
 from ..recordings.columns import is_effort
-from ..recordings.source import RecordingSource, TOPICS
+from ..recordings.source import canonical, RecordingSource, TOPICS
 from ..recordings.table_file import TYPES
-from ..recordings.topic_names import canonical
 
 
 def make_parser() -> Parser:

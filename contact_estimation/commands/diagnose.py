@@ -27,7 +27,7 @@ from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..figures import require_matplotlib
 from ..plant.engines import ENGINES
 from ..plant.plant_parameters import read_model
-from ..recordings.identity import share_data
+from ..recordings.bag_folder import share_data
 from ..reference.experiments import experiment_text
 
 

@@ -17,9 +17,8 @@ from ..diagnosis.arm.arm_recording import ArmRecording, read_arm_recording
 from ..diagnosis.arm.conclude import diagnose_arm
 from ..diagnosis.arm.contact import diagnose_contact
 from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
-from ..diagnosis.arm.page import as_html
 from ..diagnosis.arm.result import ArmDiagnosis
-from ..diagnosis.arm.text import as_dict, as_text, headline
+from ..diagnosis.arm.text import as_dict, as_html, as_text, headline
 from ..diagnosis.fit.beam import as_dict as comparison, Compared
 from ..diagnosis.report.json_report import model_file
 from ..diagnosis.result import Diagnosis

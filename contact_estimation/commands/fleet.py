@@ -15,7 +15,7 @@ from .progress import Progress
 from ..exceptions import RecordingError
 from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, skipped_files
-from ..fleet.fingerprint import Settings
+from ..fleet.one_recording import Settings
 from ..fleet.page import as_html
 from ..fleet.run import Fleet, run_fleet, write_whole
 from ..fleet.table import as_parquet, require_pyarrow

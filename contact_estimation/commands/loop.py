@@ -19,7 +19,7 @@ from .watch import rerun_file
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
-from ..recordings.definitions import jazzy_typestore
+from ..recordings.encoding import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
 from ..ros.loop_processes import (
     configure, LoopConfiguration, LoopProcesses, require_rclpy, write_parameters)

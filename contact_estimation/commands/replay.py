@@ -15,9 +15,9 @@ from .command_line import (
     add_params_option, add_source_options, add_tare_option, as_json, check_outputs,
     chosen_parameters, command, new_file, Parser, print_columns, reading_of, replayed_parameters,
     source_of, topics_of, write_results)
-from .picture import picture_trace, write_picture
 from .progress import Progress
-from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
+from .replay_summary import (
+    picture_trace, print_summary, refuse_empty, Replayed, summary_of, write_picture)
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ContactEstimationError, ParameterRangeError, UnknownNameError
 from ..pipeline.estimate_files import CsvEstimates, EstimateTrace, McapEstimates

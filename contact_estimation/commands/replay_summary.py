@@ -1,26 +1,55 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The summary of a replay: as JSON, as text, or as the error that nothing was estimated."""
+"""The summary of a replay: as JSON, text or picture, or as the error that nothing is estimated."""
 
 from __future__ import annotations
 
 from collections import Counter
 from math import isfinite
 import sys
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
+from .command_line import new_file
 from ..diagnosis.observe.signals import LEAST_SAMPLES
 from ..estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ..exceptions import RecordingError
-from ..pipeline.estimate_files import stamp_text
+from ..figures import as_png, require_matplotlib
+from ..pipeline.estimate_files import EstimateTrace, plot_contact, signal_series, stamp_text
+from ..pipeline.parameters import EstimationParameters
+from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
 from ..pipeline.wall_law import ModelFitMonitor
 from ..recordings import RecordingReader
-from ..recordings.free_flight import Tare
+from ..recordings.recorded_signals import Tare
+from ..recordings.source import RecordingSource
 from ..texts import printable
+
+
+def picture_trace(path: str | None) -> EstimateTrace | None:
+    """Return what collects the estimates for a picture."""
+    if path is None:
+        return None
+    require_matplotlib()
+    if new_file(path).suffix.lower() != '.png':
+        raise RecordingError(f'--picture writes a PNG file, got {path}; let its name end in .png')
+    return EstimateTrace()
+
+
+def write_picture(
+    path: str, reader: RecordingReader, source: RecordingSource,
+    parameters: EstimationParameters, trace: EstimateTrace,
+    true: Mapping[str, float] | None = None,
+) -> None:
+    """Write the picture of a recording."""
+    signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)
+    series = {**signal_series(signals), **trace.series(int(signals.wrench.stamp_ns[0]))}
+    estimator = f', {parameters.estimator}' if 'stiffness' in series else ''
+    figure = plot_contact(series, reader.path.name + estimator, true)
+    new_file(path).write_bytes(as_png(figure))
+
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why

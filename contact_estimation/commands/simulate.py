@@ -12,12 +12,12 @@ import numpy as np
 
 from .command_line import (
     add_source_options, command, different_files, new_file, Parser, require_at_least, source_of)
-from .picture import picture_trace, write_picture
+from .replay_summary import picture_trace, write_picture
 from ..exceptions import ParameterRangeError, RecordingError
 from ..pipeline.estimate_files import EstimateTrace
 from ..pipeline.replay import RecordingReplay
+from ..plant.driven_wall import BETWEEN
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters, read_model
-from ..plant.sampled_signals import BETWEEN
 from ..plant.simulation import (
     simulate_command, simulate_experiment, simulate_force, Simulation, write_simulation)
 from ..recordings import RecordingReader

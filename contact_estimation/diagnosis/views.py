@@ -31,7 +31,7 @@ from .observe.observed import observe
 from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.signals import Recording, with_held_reference
 from ..physics import EFFECTS
-from ..plant.sampled_signals import BETWEEN
+from ..plant.driven_wall import BETWEEN
 
 Array = NDArray[np.float64]
 

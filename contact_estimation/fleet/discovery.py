@@ -13,7 +13,7 @@ from typing import Iterator, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError, RecordingError
 from ..recordings.bag_folder import natural_order
-from ..recordings.table import is_table
+from ..recordings.table_file import is_table
 from ..texts import printable
 
 ONE_GROUP = 'all'

@@ -1,18 +1,20 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What a worker does: replay and diagnose one recording."""
+"""What a worker does, replay and diagnose one recording, and what identifies its result."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, dataclass, field, replace
+import hashlib
+import json
 from math import isfinite, nan
+import os
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .fingerprint import Settings
 from ..diagnosis.diagnose import diagnose
 from ..diagnosis.next_experiment import choose
 from ..diagnosis.observe.signals import read_recording, Recording
@@ -21,11 +23,71 @@ from ..diagnosis.report.page import as_html
 from ..diagnosis.result import Diagnosis
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import ContactEstimationError, MissingPackageError, RecordingError
+from ..parameters import build, flatten
 from ..pipeline.replay import RecordingReplay
+from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
+from ..recordings.bag_folder import file_sha256
 from ..recordings.estimation_metadata import from_metadata
 from ..recordings.source import RecordingSource
+from ..scheduling import installed_version
 from ..texts import printable
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a worker needs besides a recording: plain data, equal on every machine."""
+
+    model: Mapping[str, Any]  # all parameters of the nominal model, by dotted name
+    topics: Mapping[str, str] = field(default_factory=dict)  # as in `read_recording`
+    # how recordings are read: attributes of `RecordingSource` that are no topics
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    # of the estimator, chosen over recorded ones
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    # axis, joint: contact axis of the force, and its joint; '' for the only joint
+    axis: str = 'x'
+    joint: str = ''
+    seed: int = 0  # of the bootstraps
+    most_samples: int = 1_000_000  # wrenches of a recording that are diagnosed, from its start
+    version: str = field(default_factory=installed_version)  # of this package
+
+    @classmethod
+    def of(cls, model: PlantParameters, **options: Any) -> 'Settings':
+        """Return the settings for a model."""
+        return cls(dict(flatten(model)), **options)
+
+    @property
+    def source(self) -> RecordingSource:
+        """Return where and how recordings are read."""
+        return RecordingSource.of_topics(self.topics, **self.reading)
+
+    @property
+    def nominal(self) -> PlantParameters:
+        """Return the nominal model."""
+        return build(PlantParameters, dict(self.model))
+
+    @property
+    def model_sha256(self) -> str:
+        """Hash of the nominal model's parameters; its comments do not count."""
+        return _hash_of(dict(self.model))
+
+    def key(self, task: str, *recordings: str) -> str:
+        """Return what identifies a result."""
+        return _hash_of([task, recordings, asdict(self)])
+
+
+def _hash_of(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def recording_sha256(path: str) -> str:
+    """Return the hash of a recording, read block by block."""
+    if not Path(path).is_dir():
+        return file_sha256(Path(path))
+    os.listdir(path)  # rglob passes over a folder that cannot be read
+    files = sorted(file for file in Path(path).rglob('*') if file.is_file())
+    return _hash_of([(file.relative_to(path).as_posix(), file_sha256(file)) for file in files])
+
 
 _LEAST_CONTACT_S = 0.2  # as in the diagnosis
 _VALUES = ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'model_fit')

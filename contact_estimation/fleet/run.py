@@ -15,8 +15,9 @@ import numpy as np
 
 from .discovery import FoundRecording
 from .findings import by_group, Change, changes
-from .fingerprint import recording_sha256, Settings
-from .one_recording import Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, Result
+from .one_recording import (
+    Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, recording_sha256, Result,
+    Settings)
 from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import json_content, printable

@@ -6,7 +6,8 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .law import Number, optional_parameter, positive, Prior, RobotEffect, Scales, Strength
+from .robot_effect import (
+    Number, optional_parameter, positive, Prior, RobotEffect, Scales, Strength)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .law import ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength
+from .robot_effect import (
+    ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .law import (
+from .robot_effect import (
     ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength,
     Tone)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .law import (
+from .robot_effect import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
     stretches)
 

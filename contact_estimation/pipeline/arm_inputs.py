@@ -15,14 +15,13 @@ from .axes import Result
 from .events import EstimationEvent, event_now, READY, STATIC
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, MessageError
-from ..kinematics.moving_frames import MovingFrames
 from ..kinematics.robot_model import RobotModel
-from ..kinematics.transform_model import TransformModel
+from ..kinematics.transform_model import MovingFrames, TransformModel
 from ..recordings.cdr import header_stamp_ns
 from ..recordings.joint_decoding import SomeJointsDecoder
-from ..recordings.transforms import StampedTransform, TransformsDecoder
+from ..recordings.plain_decoding import StampedTransform, TransformsDecoder
 from ..signals.joint_merging import JointMerger
-from ..signals.stamp_screen import BEFORE_ANY
+from ..signals.stream_faults import BEFORE_ANY
 
 
 class StartUp:

@@ -12,12 +12,11 @@ import numpy as np
 from ..exceptions import ParameterRangeError, UnknownNameError
 from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
 from ..kinematics.description import read_description
-from ..kinematics.frame_tree import FrameTree
+from ..kinematics.frame_tree import FrameTree, matrix_of
 from ..kinematics.parameters import JOINT_EFFORTS
-from ..kinematics.poses import matrix_of
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import TransformModel
-from ..recordings.transforms import StampedTransform
+from ..recordings.plain_decoding import StampedTransform
 
 if TYPE_CHECKING:
     from .parameters import EstimationParameters

@@ -22,7 +22,7 @@ from ..recordings import RecordedMessage
 from ..recordings.cdr import header_stamp_ns
 from ..recordings.joint_decoding import SeveralJointsDecoder
 from ..recordings.plain_decoding import ForceTorqueDecoder, WrenchDecoder
-from ..signals.stamp_screen import BEFORE_ANY, StampScreen
+from ..signals.stream_faults import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 
 

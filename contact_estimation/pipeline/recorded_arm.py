@@ -22,23 +22,21 @@ from .parameters import EstimationParameters
 from .tracked_zero import tracked_zero
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
-from ..kinematics.moving_frames import MovingFrames, NUMBERS
 from ..kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ..kinematics.robot_model import RobotModel
+from ..kinematics.transform_model import MovingFrames, NUMBERS
 from ..parameters import specifications
 from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata
-from ..recordings.free_flight import tare_of
 from ..recordings.joint_decoding import SomeJointsDecoder
-from ..recordings.plain_decoding import decode_string, ForceTorqueDecoder
+from ..recordings.plain_decoding import (
+    decode_string, ForceTorqueDecoder, StampedTransform, TransformsDecoder)
 from ..recordings.recorded_signals import (
-    read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal)
-from ..recordings.source import RecordingSource
-from ..recordings.topic_names import canonical
-from ..recordings.transforms import StampedTransform, TransformsDecoder
+    read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal, tare_of)
+from ..recordings.source import canonical, RecordingSource
 from ..signals.filters import smoothed_rate
 from ..signals.joint_merging import JointMerger
-from ..signals.stamp_screen import BEFORE_ANY
+from ..signals.stream_faults import BEFORE_ANY
 
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',

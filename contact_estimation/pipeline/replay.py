@@ -26,14 +26,12 @@ from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..parameters import build
 from ..recordings import RecordedMessage, RecordingReader
-from ..recordings.free_flight import Tare
 from ..recordings.joint_decoding import TrajectoryDecoder
 from ..recordings.plain_decoding import decode_string
-from ..recordings.recorded_signals import wrench_rate
-from ..recordings.source import RecordingSource
-from ..recordings.topic_names import canonical
+from ..recordings.recorded_signals import Tare, wrench_rate
+from ..recordings.source import canonical, RecordingSource
 from ..reference.setpoints import Reference
-from ..signals.stamp_screen import BEFORE_ANY
+from ..signals.stream_faults import BEFORE_ANY
 
 _CUTOFF = 'conditioning.cutoff_frequency'
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows

@@ -12,14 +12,13 @@ from typing import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .driven_wall import run_driven_wall_with_rates
+from .closed_loop import Sensors
+from .driven_wall import BETWEEN, reference_through, run_driven_wall_with_rates
 from .plant_parameters import PlantParameters
-from .sampled_signals import BETWEEN, reference_through
-from .sensors import Sensors
 from .world import Truth, World
 from ..physics.effect import Effect
 from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
-from ..recordings.topic_names import canonical
+from ..recordings.source import canonical
 from ..recordings.writing import RecordingWriter
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt

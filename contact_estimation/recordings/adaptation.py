@@ -14,11 +14,9 @@ import numpy as np
 
 from .cdr import NS_PER_S
 from .chunk_reader import RecordedMessage
-from .definitions import fresh_typestore
-from .encoding import WrenchEncoder
-from .source import RecordingSource
+from .encoding import fresh_typestore, WrenchEncoder
+from .source import canonical, RecordingSource
 from .table_file import TYPES
-from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
 
 Change = Callable[[bytes, int], bytes]  # of raw message and time of reception [ns]

@@ -19,9 +19,8 @@ from .joint_decoding import decode_arm, SeveralJointsDecoder, TrajectoryDecoder
 from .plain_decoding import ForceTorqueDecoder
 from .reading import RecordingReader
 from .recorded_signals import gather
-from .source import RecordingSource
+from .source import canonical, RecordingSource
 from .table_file import FORCES, messages_of, RATES, TYPES
-from .topic_names import canonical
 from .writing import RecordingWriter
 from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
 

@@ -16,7 +16,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
-from .topic_names import canonical
+from .source import canonical
 from ..exceptions import MissingPackageError, RecordingError
 
 _MESSAGE_HEAD = Struct('<BQH4xQ8x')  # opcode, length, channel, log time

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
-from .readings import JointReading, TrajectoryReading
+from .plain_decoding import JointReading, TrajectoryReading
 from ..exceptions import MessageError
 
 

@@ -17,7 +17,7 @@ from mcap.records import Metadata
 
 from .chunk_reader import Channels, parsed, read_chunk, RecordedMessage, walk
 from .mcap_records import ENDS, MAGIC, read_summary, Record, RECORD_HEAD, RecordScanner, Summary
-from .topic_names import canonical
+from .source import canonical
 from ..exceptions import RecordingError
 
 _BLOCK = 1 << 20

@@ -13,10 +13,8 @@ from .bag_folder import needs_rosbags, recording_files
 from .chunk_reader import decompressed, RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
-from .source import RecordingSource
-from .table import is_table
-from .table_file import TableFile
-from .topic_names import canonical, require_topics
+from .source import canonical, RecordingSource, require_topics
+from .table_file import is_table, TableFile
 from ..exceptions import RecordingError
 from ..texts import require_content
 

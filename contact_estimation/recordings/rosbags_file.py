@@ -16,7 +16,7 @@ from mcap import stream_reader
 
 from .chunk_reader import RecordedMessage
 from .mcap_records import Summary
-from .topic_names import canonical
+from .source import canonical
 from ..exceptions import MissingPackageError, RecordingError
 
 _BATCH = 1000  # messages

@@ -15,7 +15,7 @@ from mcap.writer import CompressionType, Writer
 import yaml
 
 from .bag_folder import bag_information, OfferedQos, RecordedTopic, write_bag_metadata
-from .definitions import message_definition
+from .encoding import message_definition
 from ..exceptions import RecordingError
 
 CHUNK_BYTES = 64 * 1024

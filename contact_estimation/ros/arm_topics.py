@@ -22,7 +22,7 @@ from ..pipeline.arm_inputs import ArmStage
 from ..pipeline.arm_kinematics import NO_DESCRIPTION, NOT_INSTALLED
 from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
 from ..pipeline.session import ContactSession
-from ..recordings.transforms import TRANSFORMS_TYPE
+from ..recordings.plain_decoding import TRANSFORMS_TYPE
 
 REVOLUTE = 'revolute_joint'
 

@@ -36,7 +36,7 @@ from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
 from ..recordings.joint_decoding import TrajectoryDecoder
 from ..reference.setpoints import Desired
-from ..reference.stability_watch import OFF, STABILITY, StabilityWatch
+from ..reference.stable_gains import OFF, STABILITY, StabilityWatch
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
 

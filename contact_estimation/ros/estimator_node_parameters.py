@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..parameters import group, parameter, ParameterGroup
-from ..reference.stability_watch import StabilityParameters
+from ..reference.stable_gains import StabilityParameters
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,8 @@ from .running import run_node
 from .topics import message_class
 from ..exceptions import MessageError, ParameterRangeError
 from ..parameters import build, changed, divided, ParameterSpecification, specifications
-from ..plant.closed_loop import extrapolate
+from ..plant.closed_loop import extrapolate, Sensors
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
-from ..plant.sensors import Sensors
 from ..plant.world import World
 from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..recordings.joint_decoding import TrajectoryDecoder

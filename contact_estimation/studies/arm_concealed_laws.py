@@ -13,7 +13,7 @@ import numpy as np
 
 from .arm_models import ARMS, Array, description_of, mujoco
 from .blind_trials.arm_trials import Engine
-from ..diagnosis.arm.inertia import centred
+from ..diagnosis.arm.corrected_robot import centred
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..plant.arm_models import arm_description
 from ..plant.arm_simulation import (

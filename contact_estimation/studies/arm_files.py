@@ -19,8 +19,7 @@ from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_load import tool_wrench, ToolParameters
 from ..parameter_files import read_parameter_file
 from ..recordings import RecordingWriter
-from ..recordings.definitions import jazzy_typestore
-from ..recordings.encoding import encode_string, TrajectoryEncoder
+from ..recordings.encoding import encode_string, jazzy_typestore, TrajectoryEncoder
 
 FORCE_BIAS, TORQUE_BIAS = (2.0, -1.5, 3.0), (0.05, -0.1, 0.08)  # [N], [N m]
 FORCE_NOISE, TORQUE_NOISE = 0.15, 0.01  # [N], [N m]

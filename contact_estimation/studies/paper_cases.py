@@ -13,9 +13,9 @@ from typing import Any, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .testbed_constants import B_E, K_E, TESTBED
-from .testbed_runs import identify_arm, record_testbed, run_testbed
-from .testbed_world import Acquisition, PaperAcquisition, RawAcquisition
+from .testbed_arm import B_E, K_E, TESTBED
+from .testbed_world import (
+    Acquisition, identify_arm, PaperAcquisition, RawAcquisition, record_testbed, run_testbed)
 from ..estimators import OFFLINE_ESTIMATORS
 from ..estimators.estimate import Estimate
 from ..estimators.offline_estimator import OfflineEstimate, TargetImpedance

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .paper_cases import ALL_CASES, Case, PRBS_LONG, record_testbed_step, STEP, step_recording
-from .testbed_constants import B_E, K_E
+from .testbed_arm import B_E, K_E
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 from ..figures import require_matplotlib
 from ..plant.closed_loop import ClosedLoopRun

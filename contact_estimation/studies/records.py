@@ -13,9 +13,8 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_trials.scoring import (
-    NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT)
-from .blind_trials.study import diagnose_command
+from .blind_trials.command import diagnose_command
+from .blind_trials.scoring import NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT
 from .measuring import run_timed
 from ..commands.command_line import check_outputs, command, Parser, require_at_least, write_results
 from ..commands.progress import Progress

@@ -5,15 +5,91 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+from math import isfinite
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
+import numpy as np
+
+from .paper_cases import ALL_CASES, Case, Errors, PAPER
 from .paper_figures import plot_figures
-from .paper_table import as_text, make_table
 from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ..commands.progress import Progress
+
+
+def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
+    """Run all cases with all seeds."""
+    tasks = [(index, seed) for index, case in enumerate(ALL_CASES)
+             for seed in range(min(seeds, case.max_runs))]
+    errors: list[list[Errors]] = [[] for _ in ALL_CASES]
+    with ProcessPoolExecutor(jobs) as pool:
+        results = pool.map(_run, tasks, chunksize=max(1, seeds // 4))
+        for count, ((index, _), result) in enumerate(zip(tasks, results), 1):
+            errors[index].append(result)
+            progress(count / len(tasks))
+    return [row_of(case, runs) for case, runs in zip(ALL_CASES, errors)]
+
+
+def _run(task: tuple[int, int]) -> Errors:
+    index, seed = task
+    return ALL_CASES[index].run(seed)
+
+
+def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
+    """Summarise the runs of a case."""
+    values = np.array(errors)
+    median = np.median(np.abs(values), axis=0)
+    rms = np.sqrt(np.mean(values**2, axis=0))
+    average = np.mean(values, axis=0)  # as in the paper, over its ten experiments
+    paper = PAPER.get((case.case, case.estimator))
+    return {
+        'case': case.case,
+        'estimator': case.estimator + case.variant,
+        'law': case.law,
+        'seeds': len(errors),
+        'stiffness_error_percent': float(median[0]),
+        'damping_error_percent': float(median[1]),
+        'stiffness_rms_percent': float(rms[0]),
+        'damping_rms_percent': float(rms[1]),
+        'stiffness_average_percent': float(average[0]),
+        'damping_average_percent': float(average[1]),
+        'stiffness_bound_percent': _or_none(median[2]),
+        'damping_bound_percent': _or_none(median[3]),
+        'paper_stiffness_error_percent': paper.stiffness if paper else None,
+        'paper_damping_error_percent': paper.damping if paper else None,
+    }
+
+
+def _or_none(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+def as_text(rows: list[dict[str, Any]]) -> str:
+    """Format the table."""
+    lines = [
+        f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
+        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]'
+    ]
+    for row in rows:
+        pairs = [
+            _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
+            for kind in ('error', 'rms', 'average', 'bound')
+        ]
+        paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
+        lines.append(
+            f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
+            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'
+        )
+    return '\n'.join(lines)
+
+
+def _pair(stiffness: float | None, damping: float | None, digits: int = 3) -> str:
+    if stiffness is None or damping is None:
+        return '-'
+    return f'{stiffness:.{digits}f} / {damping:.{digits}f}'
 
 
 def make_parser() -> Parser:

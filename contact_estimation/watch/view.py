@@ -14,8 +14,7 @@ from typing import Any, Callable, Sequence
 import numpy as np
 
 from .layouts import Plot, PLOTS
-from .live import LiveContact
-from .readings import CHECKS, ContactLog, STATUS
+from .live import CHECKS, ContactLog, LiveContact, STATUS
 from ..estimators.estimate import Estimate
 from ..exceptions import MissingPackageError
 from ..pipeline.recorded_arm import read_contact_signals

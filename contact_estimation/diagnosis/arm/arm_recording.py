@@ -22,8 +22,7 @@ from ...pipeline.recorded_arm import arm_parameters
 from ...recordings import RecordingReader
 from ...recordings.joint_decoding import ArmReading, decode_arm
 from ...recordings.plain_decoding import ForceTorqueDecoder
-from ...recordings.source import RecordingSource
-from ...recordings.topic_names import canonical
+from ...recordings.source import canonical, RecordingSource
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -11,8 +11,8 @@ import numpy as np
 
 from .arm_recording import Array
 from .channels import Term
+from .corrected_robot import possible_inertial
 from .gram import GAIN_STD
-from .inertia import possible_inertial
 from .result import ArmEffect
 from .space import ArmModels, label
 from ..fit.beam import Compared

@@ -19,16 +19,9 @@ from scipy.signal import lfilter
 
 from .model import Model
 from .observed import Observed
-from .observer import (
-    coast,
-    innovation_std,
-    innovations_under,
-    kalman_filter,
-    run,
-    run_velocity,
-)
+from .observer import coast, innovation_std, innovations_under, kalman_filter, run, run_velocity
 from ...physics.numeric import discretise
-from ...plant.sampled_signals import NOISE, smooth
+from ...plant.driven_wall import NOISE, smooth
 
 Array = NDArray[np.float64]
 

@@ -17,12 +17,12 @@ from .observer import OBSERVER_CUTOFF, run
 from .shares import MUCH
 from .signals import check_signals, Signals
 from .smoothing import (
-    differentiate, lost_by_lines, motion_error, pace_of, quantisation_step,
-    rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
+    differentiate, lost_by_lines, motion_error, pace_of, quantisation_step, rate_noise,
+    slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
 from ...physics.numeric import discretise, SecondOrder
 from ...physics.robot_law import RobotLaw
+from ...plant.driven_wall import BETWEEN
 from ...plant.plant_parameters import PlantParameters
-from ...plant.sampled_signals import BETWEEN
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -18,9 +18,8 @@ from ...parameters import build
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
-from ...recordings.free_flight import Tare
-from ...recordings.readings import FORCE_OF_AXIS
-from ...recordings.recorded_signals import RecordedSignals
+from ...recordings.plain_decoding import FORCE_OF_AXIS
+from ...recordings.recorded_signals import RecordedSignals, Tare
 from ...recordings.source import RecordingSource
 from ...texts import printable
 

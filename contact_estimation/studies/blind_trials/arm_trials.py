@@ -31,8 +31,7 @@ from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm,
 from ...plant.plant_parameters import PlantParameters
 from ...recordings.encoding import encode_arm, WrenchEncoder
 from ...recordings.writing import RecordingWriter
-from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory
-from ...reference.arm_pressing import pressing_motion
+from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory, pressing_motion
 
 Array = NDArray[np.float64]
 Draw = Callable[['_Arm', np.random.Generator], ArmLaw]
