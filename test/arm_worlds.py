@@ -8,8 +8,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any, Sequence
 
-from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
-from contact_estimation.diagnosis.arm.arm_wrench import ArmWrench
+from contact_estimation.diagnosis.arm.arm_recording import ArmRecording, ArmWrench
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
 from contact_estimation.physics.joint_effects import JOINT_EFFECTS, JointMotion
 from contact_estimation.pipeline.parameters import EstimationParameters

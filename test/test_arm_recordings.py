@@ -15,7 +15,7 @@ from contact_estimation.exceptions import RecordingError
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import encode_string
-from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
+from contact_estimation.recordings.source import RECORD, to_metadata
 import numpy as np
 import pytest
 from reference_messages import JOINTS, STRING, WRENCH

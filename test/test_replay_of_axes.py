@@ -16,9 +16,8 @@ from contact_estimation.commands import replay
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
-from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
-from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.recordings.source import RECORD, RecordingSource, to_metadata
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest

@@ -12,14 +12,10 @@ from pathlib import Path
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
 from contact_estimation.estimators.stiffness_matrix import (
-    matrices,
-    principal_table,
-    StiffnessMatrix,
-    StiffnessMatrixParameters,
-)
+    matrices, principal_table, StiffnessMatrix, StiffnessMatrixParameters)
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.encoding import WrenchEncoder
-from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
+from contact_estimation.recordings.source import RECORD, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
 import numpy as np
 from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE

@@ -13,7 +13,7 @@ from typing import Any
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.plant.simulation import simulate_experiment
-from contact_estimation.signals.zero_tracking import ZeroTracker
+from contact_estimation.signals.conditioning import ZeroTracker
 import numpy as np
 import pytest
 from run_commands import Command

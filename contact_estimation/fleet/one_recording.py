@@ -28,8 +28,7 @@ from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 from ..recordings.bag_folder import file_sha256
-from ..recordings.estimation_metadata import from_metadata
-from ..recordings.source import RecordingSource
+from ..recordings.source import from_metadata, RecordingSource
 from ..scheduling import installed_version
 from ..texts import printable
 

@@ -25,9 +25,8 @@ from ..kinematics.parameters import TRACKED
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
-from ..signals.conditioning import Conditioner
+from ..signals.conditioning import Conditioner, ZeroTracker
 from ..signals.contact_sample import CompensatedSample, ContactSample
-from ..signals.zero_tracking import ZeroTracker
 
 Array = NDArray[np.float64]
 NO_REFERENCE = Reference(nan, nan, nan)

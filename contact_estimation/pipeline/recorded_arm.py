@@ -27,13 +27,12 @@ from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import MovingFrames, NUMBERS
 from ..parameters import specifications
 from ..recordings import RecordingReader
-from ..recordings.estimation_metadata import from_metadata
 from ..recordings.joint_decoding import SomeJointsDecoder
 from ..recordings.plain_decoding import (
     decode_string, ForceTorqueDecoder, StampedTransform, TransformsDecoder)
 from ..recordings.recorded_signals import (
     read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal, tare_of)
-from ..recordings.source import canonical, RecordingSource
+from ..recordings.source import canonical, from_metadata, RecordingSource
 from ..signals.filters import smoothed_rate
 from ..signals.joint_merging import JointMerger
 from ..signals.stream_faults import BEFORE_ANY

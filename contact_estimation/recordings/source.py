@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import difflib
+import json
 from typing import Any, Collection, Mapping
 
 from ..exceptions import RecordingError, UnknownNameError
+from ..texts import json_content
 
 _ROLES = ('wrench', 'joint_states', 'reference_trajectory')
 
@@ -87,3 +89,21 @@ class RecordingSource:
                 raise UnknownNameError.among('topic', name, TOPICS)
         chosen: dict[str, Any] = {name.strip('/'): topic for name, topic in topics.items()}
         return cls(**chosen, **reading)
+
+
+RECORD = 'estimator_node'
+
+
+def to_metadata(parameters: Mapping[str, Any]) -> dict[str, str]:
+    """Write parameters as the texts that a metadata record takes."""
+    return {name: json.dumps(value) for name, value in parameters.items()}
+
+
+def from_metadata(records: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+    """Read the parameters at start."""
+    try:
+        return {name: json_content(text) for name, text in records.get(RECORD, {}).items()}
+    except ValueError as error:
+        raise RecordingError(
+            f'metadata record {RECORD!r} must hold JSON values, got an unreadable one: {error}; '
+            'write a copy without it by `convert`, to CSV and back') from error

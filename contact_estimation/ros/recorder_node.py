@@ -23,8 +23,8 @@ from ..parameters import build, parameter, ParameterGroup, specifications
 from ..pipeline.axes import MATRIX_TOPICS
 from ..pipeline.events import EstimationEvent, START
 from ..recordings import OfferedQos, RecordingWriter
-from ..recordings.estimation_metadata import RECORD, to_metadata
 from ..recordings.plain_decoding import decode_string, TRANSFORMS_TYPE
+from ..recordings.source import RECORD, to_metadata
 
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
 _FLUSH_S, _MATCH_S = 0.4, 0.05

@@ -11,8 +11,7 @@ from typing import Callable, Sequence
 import numpy as np
 from scipy.optimize import nnls
 
-from .arm_recording import ArmRecording, joints_of
-from .arm_wrench import pressed_along
+from .arm_recording import ArmRecording, joints_of, pressed_along
 from .channels import Channels, Term
 from .checks import ArmCheck, check_description, check_efforts, check_units, check_wrench, examine
 from .describe import ArmNames, described
