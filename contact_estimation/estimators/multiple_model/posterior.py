@@ -12,10 +12,11 @@ from typing import Iterator
 import numpy as np
 
 from .blocks import Blocks, FIRST
+from .constants import EXACT_SURFACE_M
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
 from .laws import Array
-from .slow_states import Knowledge, OUTSIDE, OUTSIDE_M
+from .slow_states import Knowledge, OUTSIDE
 
 
 GREATEST = 1e5
@@ -201,7 +202,7 @@ class WallPosterior:
     def _outermost(self) -> float:
         """Return the position outside of which no force is that of the wall [m]."""
         known = self.wall.known
-        return known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
+        return known.surface - OUTSIDE * (known.surface_std + EXACT_SURFACE_M)
 
     def _change(self, t: float, x: float, before: int) -> None:
         """Begin or end a contact; at NaN if a short one is not to be used."""
