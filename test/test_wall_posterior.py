@@ -124,21 +124,6 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
     assert np.all(np.abs(np.array(found)[(before.t > 1.5) & (before.t < at)] - K) < 0.02 * K)
 
 
-@pytest.mark.parametrize('step', [1.0, 2.0])
-@pytest.mark.parametrize('location', [0.0, nan])
-def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
-    step: float, location: float,
-) -> None:
-    samples = contact(spring_damper(K, B), 7.5, presses=((0.3, 2.5), (3.0, 5.0), (5.5, 7.4)))
-    force = samples.force + step * (samples.t > 3.1)
-    posterior = WallPosterior(location, 0.0, NO_LAG)
-    for t, f, x, depth in zip(samples.t, force, samples.x, samples.depth):
-        posterior.take(t, f, x)
-        if t > 3.3 and depth > 1e-3:
-            assert within(posterior.known.stiffness, K, max(
-                posterior.known.stiffness_std, 0.002 * K), 3.0), t
-
-
 # -- laws ---------------------------------------------------------------------------------------
 
 def hunt_crossley(exponent: float) -> Law:

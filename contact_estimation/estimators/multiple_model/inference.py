@@ -21,8 +21,7 @@ from .evidence import (
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE, scales, shifted_table, UNKNOWNS)
-from .runs import (
-    Change, decided, force_step, Rhythm, Runs, SETTLED, shifted, SURPRISE)
+from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
 from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
 
@@ -305,8 +304,6 @@ class WallInference:
             alone = float(judged.evidence[still] + prior[still % len(prior)])
             block_s = min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s
             change = yield from self._runs.since(before, scene, alone, block_s)
-            if self.rhythm.blocks <= SETTLED:  # no wall is known yet that could be the same
-                change = change._replace(odds=np.where(change.shifted, -inf, change.odds))
             # A wall at rest may have changed instead of moving.
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
@@ -337,23 +334,17 @@ class WallInference:
         run = int(change.run[best])
         centre, std = float(change.centre[best]), float(change.std[best])
         gram = self._runs.commit(run)
-        if change.shifted[best]:
-            rest = (self._gram - gram)[None]
-            gram = shifted(gram + rest, rest, force_step(
-                np.array([self._scale]), self._depth))[0][0]
-            std = max(self._depth, std)
-        else:
-            surface = self._surfaces[change.place[best]]
-            before = judge(np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-                           hypotheses(np.arange(_LAWS), [surface], self._scale)).evidence
-            most = float(before[:MOVING].max())
-            self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
-            self.changes += 1
+        surface = self._surfaces[change.place[best]]
+        before = judge(np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
+                       hypotheses(np.arange(_LAWS), [surface], self._scale)).evidence
+        most = float(before[:MOVING].max())
+        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
         self._gram = gram
         self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
+        self.changes += 1
         self._surfaces = [(centre, std, STILL_THERE),
                           (centre, max(self._depth, std), ELSEWHERE)]
-        if abs(centre - self._told[0]) < OUTSIDE * float(change.std[best]) + EXACT_SURFACE_M:
+        if self._told[0] == self._told[0]:
             self._surfaces.append((self._told[0], EXACT_SURFACE_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
         self._rescale(K, B, 1.0, self.lag.lag[0])

@@ -12,11 +12,10 @@ from typing import Iterator
 import numpy as np
 
 from .blocks import Blocks, FIRST
-from .constants import EXACT_SURFACE_M
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
 from .laws import Array
-from .slow_states import Knowledge, OUTSIDE
+from .slow_states import Knowledge, OUTSIDE, OUTSIDE_M
 
 
 GREATEST = 1e5
@@ -202,7 +201,7 @@ class WallPosterior:
     def _outermost(self) -> float:
         """Return the position outside of which no force is that of the wall [m]."""
         known = self.wall.known
-        return known.surface - OUTSIDE * (known.surface_std + EXACT_SURFACE_M)
+        return known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
 
     def _change(self, t: float, x: float, before: int) -> None:
         """Begin or end a contact; at NaN if a short one is not to be used."""

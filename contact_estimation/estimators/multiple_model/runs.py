@@ -9,7 +9,6 @@ from math import log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .constants import CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
@@ -89,13 +88,13 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
-_LEAST_BLOCKS = 2  # of a run that no touch began: one may hold half of a jump
+_LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
 
 class Change(NamedTuple):
-    """The hypotheses that something has changed, against the one that nothing has."""
+    """The hypotheses that the wall has changed, against the one that it has not."""
 
     odds: Array  # (N,) log odds of each
     judged: Judged  # the wall since then
@@ -105,9 +104,6 @@ class Change(NamedTuple):
     # run, place (N,): index of the run, and of the surface before it
     run: Ints
     place: Ints
-    # (N,) whether it is the same wall under a force that is shifted, as by a step of the sensor's
-    # zero or where the wall was moved, instead of another one
-    shifted: NDArray[np.bool_]
 
 
 class Before(NamedTuple):
@@ -117,9 +113,7 @@ class Before(NamedTuple):
     since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
     place: Ints  # (N,) index of its surface: that which explained best what was before
-    what: Hypotheses  # (N,) which wall that is
-    prior: Array  # (N,) log prior of its surface
-    gram: Array  # (16, 16) of all data
+    law: int  # index of the law
 
 
 class Runs:
@@ -197,8 +191,7 @@ class Runs:
         what: one law with each of its surfaces
         prior (M,): log prior of these
         """
-        used = np.array([k for k, age in enumerate(self._ages) if age >= (
-            1 if self._touches[k][0] == self._touches[k][0] else _LEAST_BLOCKS)], int)
+        used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
@@ -210,8 +203,7 @@ class Runs:
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
         return Before(used, since, Judged(
-            evidence.max(axis=1), judged.theta[best], judged.P[best]), place,
-            Hypotheses(*(one[place] for one in what)), prior[place], gram)
+            evidence.max(axis=1), judged.theta[best], judged.P[best]), place, int(what.law[0]))
 
     def since(
         self, before: Before, scene: Scene, evidence: float, block_s: float
@@ -219,13 +211,10 @@ class Runs:
         """
         Judge the wall since each run, and whether it is another one, in parts.
 
-        At a touch the force may have shifted by d, of variance Q: then G loses what it does not
-        tell with d, g g^T / (1 / Q + g_s), as a step of a moving wall does.
-
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
         """
-        used, since, judged, place, what, prior, gram = before
+        used, since, judged, place, law = before
         delta, variance = surfaces(judged)
         reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
         delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
@@ -237,25 +226,13 @@ class Runs:
         std = np.concatenate([np.sqrt(variance) + _KEPT_STD, doubts[touched]])
         new = log(0.5 * NEW_WALL)
         hazard = np.where(at_touch, new, log(self.changes / self.seconds * block_s))
+        prior = np.concatenate([hazard, np.full(len(touched), new)])
         grams = since[run]
         stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
-        same = Hypotheses(what.law[touched], what.stiffness[touched], what.centre[touched],
-                          what.std[touched])
-        shift, cost = shifted(
-            gram[None], since[touched], force_step(same.stiffness, scene.depth))
-        found = yield from judge_in_parts(
-            np.concatenate([grams, shift]), scene, Hypotheses(
-                np.concatenate([what.law[run], same.law]),
-                np.concatenate([stiffness, same.stiffness]),
-                np.concatenate([centre, same.centre]), np.concatenate([std, same.std])))
-        odds = found.evidence - evidence + np.concatenate([
-            judged.evidence[run] + np.concatenate([hazard, np.full(len(touched), new)]),
-            cost + prior[touched] + new])
-        every = np.concatenate([run, touched])
-        return Change(
-            odds, found, np.concatenate([centre, centre[touched]]),
-            np.concatenate([std, std[touched]]), used[every], place[every],
-            np.arange(len(every)) >= len(run))
+        found = yield from judge_in_parts(grams, scene, Hypotheses(
+            np.full(len(run), law), stiffness, centre, std))
+        odds = judged.evidence[run] + found.evidence - evidence + prior
+        return Change(odds, found, centre, std, used[run], place[run])
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
@@ -265,24 +242,6 @@ class Runs:
         if not touched:
             self.changes += 1.0
         return gram
-
-
-def force_step(stiffness: Array, depth: float) -> Array:
-    """Return the variance of a shift of the force: as much as the force itself [N^2]."""
-    return np.square(stiffness * depth)
-
-
-def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
-    """
-    Return data in a part of which the force may have shifted, and what the evidence loses.
-
-    gram, part (N, 16, 16): of all data, and of the part
-    variance (N,): of the shift [N^2]
-    """
-    column = part[:, ONE]
-    told = 1.0 + variance * column[:, ONE]
-    taken = (variance / told)[:, None, None] * column[:, :, None] * column[:, None, :]
-    return gram - taken, -0.5 * np.log(told)
 
 
 def decided(change: Change | None) -> int:

@@ -311,19 +311,9 @@ def _residual_with_physics(means: _Means, x: Array, v: Array) -> float:
     fast = v / (np.abs(v) + 0.05 * np.sqrt(np.mean(v**2)) + 1e-12)
     noise = [0.0, 4.0 * float(np.mean(depth**2)) * means.variances[0],
              float(np.mean(depth**2)) * means.variances[1]]
-    terms = fast, depth**2, depth * v, _step(means, x, v)
     return min(
         _solve(means, [x, v, term], np.append(means.variances[:2], own))[1]
-        for term, own in zip(terms, [*noise, 0.0]))
-
-
-def _step(means: _Means, x: Array, v: Array) -> Array:
-    """Return the step of the sensor's zero that explains most of what K x + B v + c leaves."""
-    steps = (means.t[:, None] > means.t[1:-1]).astype(float)
-    Q = np.linalg.qr(np.stack([np.ones_like(x), x, v], 1))[0]
-    rest = steps - Q @ (Q.T @ steps)
-    y = means.y - Q @ (Q.T @ means.y)
-    return steps[:, np.argmax((y @ rest)**2 / np.maximum(np.square(rest).sum(0), 1e-12))]
+        for term, own in zip((fast, depth**2, depth * v), noise))
 
 
 def _solve(means: _Means, columns: list[Array], variances: Array) -> tuple[Array, float]:
