@@ -10,8 +10,8 @@ import numpy as np
 from .robot_effect import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
 
-TOLERANCE = 0.05
-"""Tolerance of measured positions at the end of the play, as a share of the way to it."""
+POSITION_TOLERANCE = 2e-5
+"""Tolerance of measured positions at the end of the play [m]."""
 
 
 def played(steps: Array, half: float) -> Array:
@@ -59,7 +59,7 @@ class Backlash(ContactEffect):
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
         # Measured positions contain noise, which does not disengage the play.
-        least = half * (1.0 - (1e-9 if m is math else TOLERANCE))
+        least = half * (1.0 - 1e-9) if m is math else half - POSITION_TOLERANCE
         return d - inside, v, abs(place) >= least
 
     def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
