@@ -8,7 +8,7 @@ from __future__ import annotations
 from blind_worlds import synthetic_run, WORLD
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.prior import Scales
-from contact_estimation.studies.blind_trials.calibration import residual
+from contact_estimation.studies.blind_trials.concealment import residual
 from contact_estimation.studies.blind_trials.trial import EFFECTS_OF_A_WALL, plan_effects
 from contact_estimation.studies.blind_trials.worlds import RandomWorld, Run
 import numpy as np

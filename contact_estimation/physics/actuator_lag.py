@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from .robot_effect import optional_parameter, Prior, RobotEffect, Scales
+from .law import optional_parameter, Prior, RobotEffect, Scales
 
 _SLOWEST_S = 0.1  # of a force or torque loop
 

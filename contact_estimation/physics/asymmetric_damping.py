@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .robot_effect import ContactEffect, Need, Number, optional_parameter, Prior, Scales
+from .law import ContactEffect, Need, Number, optional_parameter, Prior, Scales
 
 _PASSIVE = 1.1  # times B_e, with the error of a fit
 

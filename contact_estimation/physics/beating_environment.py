@@ -8,9 +8,9 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
-from .robot_effect import (
+from .law import (
     ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength)
+from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
 
 _PERIODS = 3.0  # fewest of the slower tone
 

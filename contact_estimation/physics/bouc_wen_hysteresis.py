@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .robot_effect import (
+from .law import (
     Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
     path_of, Prior, Scales, State, Strength, stretches)
 

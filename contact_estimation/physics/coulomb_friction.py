@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .robot_effect import ContactEffect, Need, Number, optional_parameter, Prior, Scales
+from .law import ContactEffect, Need, Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .robot_effect import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
+from .law import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .adhesion import Adhesion
-from .robot_effect import Number, optional_parameter, Prior, Scales
+from .law import Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from .robot_effect import ContactEffect, Need, optional_parameter, Prior, Scales
+from .law import ContactEffect, Need, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

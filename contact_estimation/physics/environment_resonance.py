@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .moving_environment import MANY_PERIODS
-from .robot_effect import (
+from .law import (
     Array, ContactEffect, discretise, Flags, log_uniform, Number, optional_parameter, Prior,
     Scales, Seen, State, Strength)
+from .moving_environment import MANY_PERIODS
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
 _RESOLVED = 0.125  # periods a sample

@@ -7,8 +7,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .robot_effect import (
-    ContactEffect, Number, optional_parameter, positive, Prior, Scales, Strength)
+from .law import ContactEffect, Number, optional_parameter, positive, Prior, Scales, Strength
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from .force_lag import ForceLag
-from .robot_effect import (
+from .law import (
     Array, ForceSensorEffect, log_uniform, optional_parameter, Prior, Reader, Scales, Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor

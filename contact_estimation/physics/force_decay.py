@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from .force_creep import ForceCreep
-from .robot_effect import Need, optional_parameter
+from .law import Need, optional_parameter
 
 
 @dataclass(frozen=True)

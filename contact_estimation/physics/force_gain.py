@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .robot_effect import (
+from .law import (
     ForceSensorEffect, Need, Number, optional_parameter, Prior, random_sign, Scales, Seen,
     Strength)
 

@@ -6,7 +6,7 @@ from math import exp
 
 import numpy as np
 
-from .robot_effect import Array, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
+from .law import Array, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
 
 _SLOWEST_S = 0.2  # of a force sensor; a specimen that relaxes looks the same
 

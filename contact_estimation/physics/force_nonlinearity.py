@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .force_gain import CALIBRATED
-from .robot_effect import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
+from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .robot_effect import (
-    ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength)
+from .law import ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from .robot_effect import (
+from .law import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, Strength)
 from .viscoelastic_relaxation import REPELS
 

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .robot_effect import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales
+from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales
 
 LARGEST_DAMPING = 300.0
 """Largest plausible damping at half the depth [N s/m]."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .robot_effect import (
+from .law import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
     stretches)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .robot_effect import (
+from .law import (
     ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength,
     Tone)
 

@@ -7,7 +7,7 @@ from typing import Any
 from numpy.random import Generator
 
 from .hunt_crossley_damping import LARGEST_DAMPING
-from .robot_effect import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
+from .law import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
 
 
 @dataclass(frozen=True)

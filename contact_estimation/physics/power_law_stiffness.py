@@ -6,8 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .robot_effect import (
-    ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales, Strength)
+from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales, Strength
 
 _LEAST_POWER = 0.3  # of less the force is a step
 

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from .robot_effect import optional_parameter, Prior, RobotEffect, Scales
+from .law import optional_parameter, Prior, RobotEffect, Scales
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .robot_effect import Number, optional_parameter, Prior, RobotEffect, Scales
+from .law import Number, optional_parameter, Prior, RobotEffect, Scales
 
 
 @dataclass(frozen=True)

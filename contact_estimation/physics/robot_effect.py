@@ -9,20 +9,8 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any, NamedTuple
 
-from .contact_effect import ContactEffect, State
-from .effect import Effect, Need, Seen
-from .force_sensor_effect import ForceSensorEffect, Reader
-from .numeric import (
-    Array, discretise, Flags, Motion, motion_of, Number, path_of, positive, stretches)
-from .prior import log_uniform, Prior, random_sign, Scales, Strength, Tone
-from ..parameters import optional_parameter
-
-__all__ = [
-    'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Joint',
-    'log_uniform', 'Motion', 'motion_of', 'Need', 'Number', 'optional_parameter', 'path_of',
-    'positive', 'Prior', 'random_sign', 'Reader', 'RobotEffect', 'Scales', 'Seen', 'State',
-    'Strength', 'stretches', 'Tone',
-]
+from .effect import Effect, Need
+from .numeric import Number
 
 
 class Joint(NamedTuple):

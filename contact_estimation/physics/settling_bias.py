@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .robot_effect import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
+from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
 
 _LONGEST = 2.0  # time constant, in the duration of the recording
 

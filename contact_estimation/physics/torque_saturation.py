@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .robot_effect import Number, optional_parameter, Prior, RobotEffect, Scales, Strength
+from .law import Number, optional_parameter, Prior, RobotEffect, Scales, Strength
 
 
 @dataclass(frozen=True)

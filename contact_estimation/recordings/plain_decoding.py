@@ -86,6 +86,9 @@ class _Layout:
         return found
 
 
+# Named tuples and not frozen dataclasses: these cost a microsecond more to build, and are built a
+# thousand times a second.
+
 class WrenchReading(NamedTuple):
     """One force measurement."""
 

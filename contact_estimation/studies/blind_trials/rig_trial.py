@@ -14,7 +14,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
-from .calibration import active_intervals, conceal, rms_ratio
+from .concealment import active_intervals, conceal, rms_ratio
 from .foreign_law import ForeignLaw, Magnitudes, Values
 from .foreign_laws import ALL_LAWS
 from .rig import Rig, simulate_rig

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.random import Generator
 import yaml
 
-from .calibration import conceal, Concealed, degree, TOLERANCE
+from .concealment import conceal, Concealed, degree, TOLERANCE
 from .rig import simulate_rig
 from .rig_trial import integration_rate, rig_truth, RigTrial
 from .worlds import (
