@@ -112,8 +112,7 @@ While a warning *withholds* estimates, the status is `frozen` in contact, the es
 nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
 Judgements use the last 2 s and depend on the samples alone. They are made twice a second from a touch on, and less
 often, but at least every 2 s, where nothing has been wrong for a while.
-`python -m contact_estimation.studies input_checks` counts false warnings in healthy loops and
-measures the time until each true one.
+`python -m contact_estimation.studies online --only healthy` counts false warnings in healthy worlds.
 
 ## Signals
 

@@ -15,7 +15,6 @@ STUDIES = {
     'arms': ('arm_study', 'the library on two arms simulated in MuJoCo'),
     'estimators': ('online_study:main_estimators',
                    'errors, bands and tracking of all estimators'),
-    'input_checks': ('input_checks', 'false warnings and detected input errors'),
     'matrix': ('matrix_study', 'errors and bands of the full matrices'),
     'online': ('online_study', 'on-line estimation with default parameters'),
     'records': ('records', 'names of `diagnose` on recordings of real things'),
