@@ -1,12 +1,17 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Eq. (6) and its recursive estimation against forms written in another way."""
+"""
+Eq. (6) and its recursive estimation against forms written in another way.
+
+A tool with a front and a rear foot and a nose goes down on a floor, slides to a wall, along both,
+and leaves them.
+"""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from math import hypot, tanh
+from math import cos, hypot, pi, sin, tanh
 from typing import Any, Sequence
 
 from contact_estimation.estimators.contact_points import (
@@ -14,13 +19,55 @@ from contact_estimation.estimators.contact_points import (
 from contact_estimation.estimators.contact_points_estimator import (
     ContactPointsEstimate, ContactPointsEstimator, ContactPointsParameters, ContactPointsSample)
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.studies.three_contacts import GEOMETRY, motion_at
+from contact_estimation.reference.reference_generator import quintic
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3
-INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
+INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # all that can happen
+GEOMETRY = ContactGeometry(
+    points=np.array([[0.03, 0.0, -0.04], [-0.03, 0.0, -0.04], [0.05, 0.0, 0.01]]),
+    surfaces=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.15, 0.0, 0.0]]),
+    normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]),
+)
+
+BEGIN = (0.0, 0.0, 0.055)
+PITCH = 0.12  # [rad]: the front foot touches first
+# (axis, begin [s], duration [s], way [m or rad]); axis 3 is the pitch
+MOVES = (
+    (2, 0.4, 1.2, -0.0165),  # down: the front foot touches
+    (3, 2.2, 0.8, -PITCH),  # level: the rear foot touches too
+    (0, 3.2, 1.6, 0.106),  # slide along the floor until the nose touches the wall
+    (1, 5.2, 1.6, 0.08),  # slide along both
+    (0, 7.4, 0.6, -0.04),  # away from the wall
+    (2, 8.6, 0.8, 0.04),  # up
+)
+# (axis, begin, end [s], amplitude [m], angular frequency [rad/s]): begins and ends at rest
+SWINGS = (
+    (2, 1.7, 1.7 + 4.0 * pi / 10.0, 1e-3, 20.0),
+    (2, 3.0, 3.0 + 18.0 * pi / 10.0, 1e-3, 20.0),
+    (0, 5.0, 5.0 + 16.0 * pi / 23.0, 1e-3, 23.0),
+)
+
+
+def motion_at(t: float) -> ToolMotion:
+    """Return the prescribed pose and twist of the tool; t: time [s]."""
+    place, rate = [*BEGIN, PITCH], [0.0] * 4
+    for axis, begin, duration, way in MOVES:
+        x, v, _ = quintic(0.0, way, duration, t - begin)
+        place[axis] += x
+        rate[axis] += v
+    for axis, begin, end, amplitude, omega in SWINGS:
+        if begin < t < end:
+            phase = omega * (t - begin)
+            place[axis] += amplitude * (1.0 - cos(phase)) * (1.0 if axis == 0 else -1.0)
+            rate[axis] += amplitude * omega * sin(phase) * (1.0 if axis == 0 else -1.0)
+    c, s = cos(place[3]), sin(place[3])
+    rotation = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return ToolMotion(
+        np.array(place[:3]), rotation, np.array(rate[:3]), np.array([0.0, rate[3], 0.0])
+    )
 
 
 def force_of(geometry: ContactGeometry, motion: ToolMotion, mu: float = MU) -> np.ndarray:
@@ -70,7 +117,6 @@ def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
     assert whole == pytest.approx(at_points, rel=1e-9, abs=1e-12)
 
 
-K_E, B_E, MU = 4800.0, 200.0, 0.3
 PERIOD_S = 0.004
 
 
@@ -151,6 +197,13 @@ def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> 
     K, B, mu = least_squares(residuals, [3.0, 1.0, 0.1], xtol=1e-14, ftol=1e-14).x
     assert (last.stiffness, last.damping) == pytest.approx((1e3 * K, 1e2 * B), rel=1e-5)
     assert last.friction == pytest.approx(mu, rel=1e-5)
+
+
+def test_stiffness_damping_and_friction_are_true_after_the_last_contact() -> None:
+    last = run(estimator_with(), samples(0.0, 10.0))[-1]
+    assert last.stiffness == pytest.approx(K_E, rel=0.003)
+    assert last.damping == pytest.approx(B_E, rel=0.01)
+    assert last.friction == pytest.approx(MU, abs=0.003)
 
 
 def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> ContactPointsSample:

@@ -67,6 +67,8 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('stamp_skew', '5[01] ms late .*offset to [+]0.05', {'wrench_late_ms': 50}),
     ('stamp_skew', '(49|50) ms early .*offset to -0.0(49|50)', {'wrench_late_ms': -50}),
     ('force_still', 'exactly -27 N for', {'change': lambda s: s._replace(force=-27.0)}),
+    ('two_forces', 'two publishers or two sensors',
+     {'change': lambda s: s if s.stamp_ns // (2 * MILLISECOND) % 2 else s._replace(force=0.0)}),
     ('joint_still', 'has not changed since the start',
      {'change': lambda s: s._replace(position=0.01, velocity=0.0)}),
     ('position_unit', 'publish positions in metres',

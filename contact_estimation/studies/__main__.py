@@ -19,7 +19,6 @@ STUDIES = {
     'online': ('online_study', 'on-line estimation with default parameters'),
     'records': ('records', 'names of `diagnose` on recordings of real things'),
     'speed': ('speed', 'run times of estimators, node, replay and view'),
-    'three_contacts': ('three_contacts', 'eq. (6) on a tool with three contact points'),
 }
 
 
