@@ -122,7 +122,6 @@ setup(
             'hypothesis>=6.100',
             'matplotlib>=3.6',
             'mypy>=1.9',
-            'padasip>=1.2',  # a peer of the estimators study
             'pin>=3.0',  # arms
             'pydocstyle>=6.3',
             'pytest>=7.4',

@@ -85,10 +85,25 @@ class DaskWorkers:
             yield key, answer
 
 
+def values_of(
+    started: Workers, calls: Mapping[str, Call], progress: Callable[[float, str], None]
+) -> dict[str, Any]:
+    """Return the value of each call by its key, or raise the first error."""
+    found = {}
+    for key, answer in started.answers(calls):
+        if answer.error is not None:
+            raise answer.error
+        found[key] = answer.value
+        progress(len(found) / len(calls), key)
+    return found
+
+
 @contextmanager
 def workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
-    """Start workers on this machine, or connect to those of a scheduler."""
-    if scheduler is None:
+    """Start workers on this machine, or connect to those of a scheduler; 1 job: this process."""
+    if scheduler is None and jobs == 1:
+        yield ThisProcess()
+    elif scheduler is None:
         with _local_client(jobs or os.cpu_count() or 1) as client:
             yield DaskWorkers(client, _IN_FLIGHT * (jobs or os.cpu_count() or 1))
     else:

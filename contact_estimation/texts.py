@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterable, Sequence
 
 import yaml
 
@@ -31,6 +31,14 @@ def printable(text: str) -> str:
         half = _MOST_PRINTED // 2
         text = f'{text[:half]} ({len(text) - 2 * half} characters left out) {text[-half:]}'
     return text
+
+
+def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Format cells as a Markdown table."""
+    lines = [[' '.join(str(cell).split()).replace('|', '\\|') for cell in row]
+             for row in (columns, *rows)]
+    lines.insert(1, ['---'] * len(columns))
+    return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
 
 
 def require_content(path: Path) -> None:

@@ -17,7 +17,7 @@ from __future__ import annotations
 from math import isfinite
 from pathlib import Path
 import sys
-from typing import Any, Iterable
+from typing import Any
 
 import contact_estimation as ce
 from contact_estimation.fleet.table import COLUMNS
@@ -25,6 +25,7 @@ from contact_estimation.parameters import specifications
 from contact_estimation.pipeline.checks import CHECKS, REJECTIONS
 from contact_estimation.pipeline.checks.stream_checks import graph_warnings
 from contact_estimation.studies.blind_trials.foreign_laws import ALL_LAWS
+from contact_estimation.texts import markdown_table
 from effect_plots import plot_effect
 
 PORTS = {
@@ -97,7 +98,7 @@ def laws_page() -> str:
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
         '`contact_estimation/studies/blind_trials/foreign_*.py` gives equation and source.',
-        _table(head, rows)])
+        markdown_table(head, rows)])
 
 
 WARNINGS = '''# Warnings
@@ -189,14 +190,14 @@ def warnings_page() -> str:
         count=40, topic='wrench', text=EXAMPLES.get(one.name, '...'), lag=LAG),
         one.cause, one.remedy) for one in REJECTIONS]
     return '\n\n'.join([
-        WARNINGS, _table(head, rows),
+        WARNINGS, markdown_table(head, rows),
         '## Rejected messages\n\nMessages that cannot be used are counted by reason in '
         '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
-        _table(head[:4], rejected),
-        '## Robot description', _table(head, DESCRIPTION),
-        '## Stability\n\nOf the node alone, with `stability.kind`.', _table(head, STABILITY),
+        markdown_table(head[:4], rejected),
+        '## Robot description', markdown_table(head, DESCRIPTION),
+        '## Stability\n\nOf the node alone, with `stability.kind`.', markdown_table(head, STABILITY),
         '## Graph\n\nOf the node alone, looked at once a second.',
-        _table(head, [(name, text, *rest) for (name, *rest), text in zip(GRAPH, texts)]), LIMITS])
+        markdown_table(head, [(name, text, *rest) for (name, *rest), text in zip(GRAPH, texts)]), LIMITS])
 
 
 def columns_page() -> str:
@@ -204,14 +205,14 @@ def columns_page() -> str:
     rows = [(f'`{column.name}`', column.kind, column.unit, column.meaning) for column in COLUMNS]
     return '\n\n'.join([
         '# Columns of the table', 'Of `table.parquet`, which [](../fleet.md) describes.',
-        _table(('column', 'type', 'unit', 'meaning'), rows)])
+        markdown_table(('column', 'type', 'unit', 'meaning'), rows)])
 
 
 def parameter_table(group: Any) -> str:
     """Return a Markdown table of the parameters of a group: name, default, unit, meaning."""
     rows = [(f'`{spec.name}`', _default(spec.default), spec.unit, spec.description)
             for spec in specifications(group)]
-    return _table(('parameter', 'default', 'unit', 'meaning'), rows)
+    return markdown_table(('parameter', 'default', 'unit', 'meaning'), rows)
 
 
 def _default(value: Any) -> str:
@@ -224,11 +225,6 @@ def _first_line(cls: Any) -> str:
     """Return the summary of the module that defines a class."""
     text = sys.modules[cls.__module__].__doc__ or ''
     return text.strip().splitlines()[0]
-
-
-def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    lines = [list(head), ['---'] * len(list(head)), *[list(row) for row in rows]]
-    return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
 
 
 def _write(path: Path, text: str) -> None:

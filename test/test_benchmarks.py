@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from contact_estimation.studies.__main__ import main, STUDIES
-from contact_estimation.studies.online_study import as_markdown, scored, summary, Task
+from contact_estimation.studies.online_study import as_markdown, scored, summary
 import pytest
 
 
@@ -19,6 +19,6 @@ def test_every_study_has_a_help(name: str, capsys: pytest.CaptureFixture[str]) -
 
 @pytest.mark.parametrize('candidate', ['', 'kalman', 'filterpy Kalman, bare'])
 def test_estimators_and_peers_find_the_stiffness_of_a_world(candidate: str) -> None:
-    score = scored(Task(candidate, 'end_of_contact_as_told', 0, 0))
+    score = scored(candidate, 'end_of_contact_as_told', 0, 0)
     assert abs(score.K_error) < 0.01
     assert f'| {candidate} | 1 | 1 of 1 |' in as_markdown({'row': [summary(candidate, [score])]})

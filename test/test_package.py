@@ -98,10 +98,10 @@ def test_every_exec_depend_is_a_known_rosdep_key() -> None:
 def test_package_xml_declares_every_import() -> None:
     files = [*PACKAGE.rglob('*.py'), *(ROOT / 'launch').rglob('*.py')]
     imported = set().union(*(imported_packages(file) for file in files))
-    # Only benchmarks use mujoco and padasip, where they are installed; the others are those of the
-    # extras `fleet` and `watch`, which pip installs.
-    imported -= {'__future__', 'mujoco', 'padasip', 'distributed', 'pyarrow', 'rerun',
-                 PACKAGE.name, *sys.stdlib_module_names}
+    # Only a study uses mujoco, where it is installed; the others are those of the extras `fleet`
+    # and `watch`, which pip installs.
+    imported -= {'__future__', 'mujoco', 'distributed', 'pyarrow', 'rerun', PACKAGE.name,
+                 *sys.stdlib_module_names}
     assert imported <= set(ROSDEP_KEYS)
     assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
 

@@ -13,10 +13,7 @@ from ..commands.command_line import Parser
 
 STUDIES = {
     'arms': ('arm_study', 'the library on two arms simulated in MuJoCo'),
-    'estimators': ('online_study:main_estimators',
-                   'errors, bands and tracking of all estimators'),
-    'matrix': ('matrix_study', 'errors and bands of the full matrices'),
-    'online': ('online_study', 'on-line estimation with default parameters'),
+    'online': ('online_study', 'on-line estimation: defaults, all estimators, full matrices'),
     'records': ('records', 'names of `diagnose` on recordings of real things'),
     'speed': ('speed', 'run times of estimators, node, replay and view'),
 }
@@ -38,9 +35,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Hand the remaining arguments to the chosen study, imported when it is chosen."""
     words = list(sys.argv[1:] if args is None else args)
     name = make_parser().parse_args(words[:1]).name
-    module, _, function = STUDIES[name][0].partition(':')
-    run = getattr(import_module(f'.{module}', __package__), function or 'main')
-    return int(run(words[1:]))
+    return int(import_module(f'.{STUDIES[name][0]}', __package__).main(words[1:]))
 
 
 if __name__ == '__main__':

@@ -17,6 +17,7 @@ from ..figures import BLUE, figure_style, GREY, INK, new_figure, ORANGE
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.source import RecordingSource
+from ..texts import markdown_table as _table
 
 _AXES = (('x', ORANGE), ('y', '#2f855a'), ('z', BLUE))
 _AXIS_M = 0.12  # length of drawn axes
@@ -64,11 +65,6 @@ def _diagnoses(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
         table.append([arm, concealed, f'{sum(row["right"] for row in own)} of {len(own)}',
                       f'{sum(row["alone"] for row in own)} of {len(own)}', named])
     return table
-
-
-def _table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    lines = [columns, ['---'] * len(columns), *rows]
-    return '\n'.join('| ' + ' | '.join(map(str, line)) + ' |' for line in lines)
 
 
 @figure_style()

@@ -202,15 +202,16 @@ class Row(NamedTuple):
     worlds: int
     quick: int
     # makes a world from a generator and its index
-    make: Callable[[np.random.Generator, int], World]
-    score: Callable[[World, Trace], Score]  # scores a trace of a world
+    make: Callable[[np.random.Generator, int], Any]
+    score: Callable[[Any, Any], Score]  # scores a trace of a world
+    trace: Callable[[Any], Any] = follow  # with default parameters
 
     def run(
-        self, draw: np.random.Generator, index: int, trace: Callable[[World], Trace] = follow
+        self, draw: np.random.Generator, index: int, trace: Callable[[Any], Any] | None = None
     ) -> Score:
         """Make, follow and score one world."""
         world = self.make(draw, index)
-        return self.score(world, trace(world))
+        return self.score(world, (trace or self.trace)(world))
 
 
 def spread(index: int, low: float = 300.0, high: float = 3e4) -> float:

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed, ThreadPoolExecutor
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,6 +20,8 @@ from ..commands.progress import Progress
 from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
+from ..scheduling import Call, values_of, workers
+from ..texts import markdown_table
 
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
            'failed')
@@ -100,12 +101,7 @@ class Row(NamedTuple):
 
 def as_markdown(rows: Sequence[Row]) -> str:
     """Format the table and its totals."""
-    lines = [_line(_COLUMNS), '|' + '---|' * len(_COLUMNS), *(_line(_cells(row)) for row in rows)]
-    return '\n'.join([*lines, '', *_totals(rows)])
-
-
-def _line(cells: Sequence[str]) -> str:
-    return '| ' + ' | '.join(' '.join(cell.split()).replace('|', '\\|') for cell in cells) + ' |'
+    return '\n'.join([markdown_table(_COLUMNS, map(_cells, rows)), '', *_totals(rows)])
 
 
 def _cells(row: Row) -> list[str]:
@@ -179,7 +175,8 @@ def make_parser() -> Parser:
     )
     parser.add_argument('folder', metavar='FOLDER', help='folder of the records')
     parser.add_argument('--output', metavar='FILE.md', help='write the table')
-    parser.add_argument('--jobs', type=int, default=1, help='number of parallel diagnoses (1)')
+    parser.add_argument('--jobs', type=int, default=1,
+                        help='number of parallel diagnoses (1); more need Dask (extra fleet)')
     return parser
 
 
@@ -231,20 +228,15 @@ def _read_truth(path: Path) -> Mapping[str, Any]:
 def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
     """Diagnose records in parallel processes."""
     progress = Progress('records')
-    with ThreadPoolExecutor(jobs) as pool:  # each thread only waits for its process
-        pending = {pool.submit(_row, record): record.name for record in records}
-        try:
-            for done, future in enumerate(as_completed(pending), 1):
-                future.result()
-                progress.show(done / len(records), pending[future])
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+    with workers(None, jobs) as started:
+        rows = values_of(started, {one.name: Call(diagnosed, (one,)) for one in records},
+                         progress.show)
     progress.done()
-    return [future.result() for future in pending]
+    return [rows[one.name] for one in records]
 
 
-def _row(record: Record) -> Row:
+def diagnosed(record: Record) -> Row:
+    """Diagnose a record and compare with its truth."""
     with TemporaryDirectory() as folder:
         outcome = _diagnose(record, Path(folder))
     truth = record.truth or {}

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 import hashlib
 import json
 from pathlib import Path
@@ -13,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import Any, Callable, Iterator, NamedTuple, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError
-from ...scheduling import Call, ThisProcess, Workers, workers
+from ...scheduling import Call, values_of, Workers, workers
 
 _TIMEOUT_S = 1800.0  # of one diagnosis
 _ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
@@ -71,10 +70,7 @@ def run_study(
     """Run the remaining trials of a study and score all."""
     calls = {trial.name: Call(run_trial, (folder.absolute(), trial, only_write))
              for trial in trials}
-    for done, (name, answer) in enumerate(workers.answers(calls), 1):
-        if answer.error is not None:
-            raise answer.error
-        progress(done / len(trials), name)
+    values_of(workers, calls, progress)
     if only_write:
         return []
     return [score(trial.name, *_truth_and_answer(folder, trial)) for trial in trials]
@@ -215,7 +211,7 @@ def _run_arms(folder: Path, options: Any, progress: Progress) -> None:
 def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
     trials = [one for seed in options.seed for one in plan_study(
         options.count, options.clean, seed, options.unknown, options.foreign)]
-    with _workers(options) as started:
+    with workers(options.scheduler, options.jobs or (None if options.scheduler else 1)) as started:
         scores = run_study(folder, trials, started, progress.show, options.only_write)
     progress.done()
     if options.only_write:
@@ -231,15 +227,6 @@ def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
         print(fitted.text())
         fitted.write(Path(options.calibrate))
     print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')
-
-
-@contextmanager
-def _workers(options: Any) -> Iterator[Workers]:
-    if options.scheduler is None and (options.jobs or 1) == 1:
-        yield ThisProcess()  # Dask would add nothing, and need not be installed
-        return
-    with workers(options.scheduler, options.jobs) as started:
-        yield started
 
 
 main = command(make_parser, run)
