@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Tasks in this process, or on the workers of Dask: of this machine, or of a scheduler."""
+"""Tasks in this process, as processes, or on workers of Dask: of this machine or a scheduler."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from contextlib import contextmanager
 from importlib import metadata
 import logging
 import os
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol
+from resource import getrusage, RUSAGE_CHILDREN
+import subprocess
+import time
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol, Sequence
 
 from .exceptions import FleetError, MissingPackageError
 
@@ -96,6 +99,30 @@ def values_of(
         found[key] = answer.value
         progress(len(found) / len(calls), key)
     return found
+
+
+class Finished(NamedTuple):
+    """What a process printed, and what it took."""
+
+    # wall_s, cpu_s: elapsed time, and user plus system time [s]
+    wall_s: float
+    cpu_s: float
+    error: str  # last line on stderr of a command that failed; '' on success
+
+
+def finished(command: Sequence[str], timeout_s: float | None = None) -> Finished:
+    """Run a process to its end; no other child of this process may end meanwhile."""
+    begin, before = time.monotonic(), getrusage(RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s,
+                              stdin=subprocess.DEVNULL)
+        lines = done.stderr.strip().splitlines() or [f'exit code {done.returncode}']
+        error = lines[-1] if done.returncode else ''
+    except subprocess.TimeoutExpired:
+        error = f'not finished within {timeout_s:g} s'
+    after = getrusage(RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Finished(time.monotonic() - begin, used, error)
 
 
 @contextmanager

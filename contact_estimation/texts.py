@@ -33,7 +33,7 @@ def printable(text: str) -> str:
     return text
 
 
-def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
     """Format cells as a Markdown table."""
     lines = [[' '.join(str(cell).split()).replace('|', '\\|') for cell in row]
              for row in (columns, *rows)]

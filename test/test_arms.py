@@ -11,11 +11,9 @@ from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.studies.arm_concealed_laws import ENGINE, mujoco_arm
-from contact_estimation.studies.arm_evaluation import (
-    calibrated, errors, estimated_with)
-from contact_estimation.studies.arm_files import ArmFiles, tool_parameters, world_of
 from contact_estimation.studies.arm_models import (
-    ARMS, description_of, mujoco, mujoco_model, TIP)
+    ARMS, description_of, mujoco, mujoco_model, TIP, TOOL_CENTRE, TOOL_MASS)
+from contact_estimation.studies.arm_study import StudiedArm
 import numpy as np
 import pytest
 
@@ -70,13 +68,14 @@ def test_torques_of_links_equal_those_of_mujoco(name: str) -> None:
 @pytest.mark.slow
 def test_tool_and_wall_of_a_simulated_arm_are_found(tmp_path: Path) -> None:
     try:
-        files = ArmFiles(ARMS['ur5'], tmp_path)
+        mujoco()
+        arm = StudiedArm(ARMS['ur5'], tmp_path)
     except MissingPackageError as error:
         pytest.skip(str(error))
-    world, tool = world_of(0), calibrated(files, 0)
-    assert abs(tool['mass_error_g']) < 20.0 and tool['centre_error_mm'] < 2.0
-    run, recording = files.touch(world, 0, 'touch')
-    known = tool_parameters(files.path('tool_0.yaml'))
-    found = errors(estimated_with(files, run, recording, 'kalman', 'all', known), run, world)
-    assert abs(found['stiffness_error_percent']) < 2.0
-    assert abs(found['damping_error_percent']) < 10.0
+    tool = arm.calibrated(0)
+    assert tool['mass_kg']['value'] == pytest.approx(TOOL_MASS, abs=0.02)
+    np.testing.assert_allclose(tool['centre_m']['value'], TOOL_CENTRE, atol=0.002)
+    run, world, recording = arm.touched(0)
+    found = arm.estimated(run, recording)
+    assert found['stiffness'] == pytest.approx(world.K_e, rel=0.02)
+    assert found['damping'] == pytest.approx(world.B_e, rel=0.1)

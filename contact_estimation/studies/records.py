@@ -14,13 +14,12 @@ import numpy as np
 
 from .blind_trials.command import diagnose_command
 from .blind_trials.scoring import NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT
-from .measuring import run_timed
 from ..commands.command_line import check_outputs, command, Parser, require_at_least, write_results
 from ..commands.progress import Progress
 from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
-from ..scheduling import Call, values_of, workers
+from ..scheduling import Call, finished, values_of, workers
 from ..texts import markdown_table
 
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
@@ -263,7 +262,7 @@ def _diagnose(record: Record, folder: Path) -> _Outcome:
     arguments = diagnose_command(record.recording, record.nominal, output)
     if record.holdout is not None:
         arguments += ['--holdout', str(record.holdout)]
-    cost = run_timed(arguments)
+    cost = finished(arguments)
     report = None if cost.error else json.loads(output.read_text())
     return _Outcome(report, cost.error, cost.cpu_s)
 

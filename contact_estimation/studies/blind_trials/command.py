@@ -8,10 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-import subprocess
 import sys
 import tempfile
-import time
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
@@ -26,7 +24,7 @@ from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError
-from ...scheduling import Call, values_of, Workers, workers
+from ...scheduling import Call, finished, values_of, Workers, workers
 
 _TIMEOUT_S = 1800.0  # of one diagnosis
 _ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
@@ -104,13 +102,12 @@ def diagnose_blind(files: TrialFiles) -> None:
     """Diagnose a trial in a process of its own, given recording and nominal model only."""
     with tempfile.TemporaryDirectory() as folder:
         output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
-        begin = time.monotonic()
-        error = _run([*diagnose_command(files.recording, files.nominal, output),
-                      '--write-comparison', str(models)])
-        seconds = time.monotonic() - begin
-        report, comparison = (None if error else json.loads(path.read_text())
+        done = finished([*diagnose_command(files.recording, files.nominal, output),
+                         '--write-comparison', str(models)], _TIMEOUT_S)
+        report, comparison = (None if done.error else json.loads(path.read_text())
                               for path in (output, models))
-    write_json(files.report, {'report': report, 'error': error, 'seconds': round(seconds, 1),
+    write_json(files.report, {'report': report, 'error': done.error,
+                              'seconds': round(done.wall_s, 1),
                               'comparison': comparison})
 
 
@@ -118,17 +115,6 @@ def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
     """Build the command line of a diagnosis."""
     return [sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
             '--nominal', str(nominal), '--json', str(output)]
-
-
-def _run(command: list[str]) -> str:
-    """Run a command and return its error message, '' on success."""
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S,
-                              stdin=subprocess.DEVNULL)
-    except subprocess.TimeoutExpired:
-        return f'not finished within {_TIMEOUT_S:g} s'
-    lines = done.stderr.strip().splitlines()
-    return '' if done.returncode == 0 else (lines or [f'exit code {done.returncode}'])[-1]
 
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
