@@ -3,7 +3,7 @@
 
 """`python -m contact_estimation`: the demonstration, see `commands/demonstrate.py`."""
 
-from .commands.entry_points import demonstrate
+from .executables import demonstrate
 
 if __name__ == '__main__':
     raise SystemExit(demonstrate())

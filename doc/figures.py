@@ -67,7 +67,7 @@ def make_arm(folder: Path) -> None:
 def run(folder: Path, command: str, *arguments: str) -> str:
     """Run a command of this package in a folder and return what it prints."""
     return output_of(folder, '-c', (
-        f'from contact_estimation.commands.entry_points import {command}; '
+        f'from contact_estimation.executables import {command}; '
         f'raise SystemExit({command}())'), *arguments)
 
 

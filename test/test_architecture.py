@@ -17,7 +17,7 @@ LAYERS = [
     'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference',
     'estimators', 'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit',
     'diagnosis', 'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
-    'studies.blind_trials', 'studies',
+    'studies.blind_trials', 'studies', 'executables',
 ]
 
 

@@ -93,9 +93,9 @@ import os, signal, sys
 def hook(event, facts):
     if event == 'import' and facts[0] == sys.argv[1]:
         os.kill(os.getpid(), signal.SIGINT)
-from contact_estimation.ros import executables
+from contact_estimation import executables
 sys.addaudithook(hook)
-raise SystemExit(executables.estimator_node([]))
+raise SystemExit(executables.estimator_node())
 """
 
 
@@ -112,9 +112,7 @@ def test_interrupt_while_a_node_imports_ends_it_without_a_word(
 
 @pytest.mark.slow
 def test_interrupt_while_a_command_imports_is_one_line(tmp_path: Path) -> None:
-    code = INTERRUPTED.replace('contact_estimation.ros import executables',
-                               'contact_estimation.commands import entry_points')
-    code = code.replace('executables.estimator_node([])', 'entry_points.replay()')
+    code = INTERRUPTED.replace('estimator_node', 'replay')
     run = subprocess.run(
         [sys.executable, '-c', code, 'numpy'], env=environment(tmp_path), capture_output=True,
         text=True, timeout=120.0)

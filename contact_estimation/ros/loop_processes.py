@@ -150,7 +150,7 @@ class LoopProcesses:
                        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         self._processes = {
             name: subprocess.Popen(
-                [sys.executable, '-m', 'contact_estimation.ros.executables', name, '--ros-args',
+                [sys.executable, '-m', 'contact_estimation.executables', name, '--ros-args',
                  '--log-level', 'error', '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
             )
