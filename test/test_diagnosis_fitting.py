@@ -1,21 +1,32 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Fits of models to recordings, and prediction of parts left out of them."""
+"""Fits, parts that are held out, and repetition."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from concealed_worlds import MODEL, physics, prepared_from, recorded
+from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.diagnose import diagnose
 from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_deviations
-from contact_estimation.diagnosis.fit.evidence import explained
+from contact_estimation.diagnosis.fit.evidence import explained, ranked
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
 from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
+from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.observed import Observed
+from contact_estimation.diagnosis.observe.parts import episodes, hold_out
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.observe.usable_samples import updates
+from contact_estimation.diagnosis.result import Errors
+from contact_estimation.exceptions import ContactEstimationError, RecordingError
+from contact_estimation.physics import EFFECTS
 import numpy as np
+from numpy.typing import NDArray
 import pytest
 from scipy.optimize import least_squares
 
@@ -118,3 +129,182 @@ def test_the_true_effect_is_among_the_first(name: str, values: tuple[float, ...]
     foretold = [each[0].foretold for each in found.values()]
     assert foretold == pytest.approx(sorted(foretold), rel=2e-6)
     assert name in list(found)[:5]
+
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+HELD_OUT_MODEL = Model.of(nominal())
+DEPTHS = [(0.02, 0.03, 0.01), (0.01, 0.03, 0.02), (0.03, 0.02, 0.01), (0.02, 0.01, 0.03, 0.015),
+          (0.01, 0.015, 0.03, 0.02), (0.02, 0.02, 0.02)]
+
+
+def moved(depths: tuple[float, ...]) -> Observed:
+    """Observe a motion that dips to given depths, each for half a second."""
+    parts = []
+    for depth in depths:
+        parts += [np.full(50, -0.01), np.full(50, depth)]
+    return at(np.concatenate([*parts, np.full(50, -0.01)]))
+
+
+def at(x: Array) -> Observed:
+    """Observe positions, one every 10 ms."""
+    h, nothing = 0.01, np.zeros(len(x))
+    force, t = np.where(x > 0.0, -5000.0 * x, 0.0), np.linspace(0.0, h * (len(x) - 1), len(x))
+    return Observed(t, h, force, np.ones(len(x), bool), x, x, nothing,
+                    nothing, None, 1e-6, 20.0)
+
+
+def test_episodes_are_the_touches() -> None:
+    recording, model = prepared_from(recorded())
+    o = recording.observed
+    found = episodes(model, o)
+    assert len(found) == 3
+    for first, stop in found:
+        assert o.x[first] > 0.0 >= o.x[first - 1]
+        assert o.x[stop - 1] > 0.0 >= o.x[stop]
+
+
+def test_contact_that_is_hardly_deep_beside_others_is_no_episode() -> None:
+    assert len(episodes(HELD_OUT_MODEL, moved((0.01, 0.0001, 0.01)))) == 2
+
+
+@pytest.mark.parametrize('depths', DEPTHS)
+def test_held_out_episode_is_whole_and_cut_in_free_flight(depths: tuple[float, ...]) -> None:
+    o = moved(depths)
+    samples = hold_out(HELD_OUT_MODEL, o).samples
+    edges = np.flatnonzero(np.diff(samples.astype(int)))
+    assert np.all(o.x[edges] < 0.0)
+    assert 0 < np.count_nonzero(samples) < len(o.t)
+
+
+def spans(samples: Flags) -> list[tuple[int, int]]:
+    """Return first and last sample of each stretch."""
+    edges = np.flatnonzero(np.diff(samples.astype(int), prepend=0, append=0))
+    return [(int(first), int(stop) - 1) for first, stop in zip(edges[::2], edges[1::2])]
+
+
+def in_late_thirds(samples: Flags, first: int, stop: int) -> bool:
+    """Return whether each third of an interval holds one stretch, in its last three fifths."""
+    third = (stop - first) / 3.0
+    begins = [first + (k + 0.4) * third for k in range(3)]
+    return len(spans(samples)) == 3 and all(
+        begin <= there[0] and there[1] <= begin + 0.6 * third
+        for begin, there in zip(begins, spans(samples)))
+
+
+def test_of_one_episode_a_late_block_of_each_third_is_held_out() -> None:
+    part = hold_out(HELD_OUT_MODEL, moved((0.02,)))
+    assert in_late_thirds(part.samples, 50, 100)
+    assert part.name.endswith(' s') and part.name.count(' to ') == 3
+
+
+def part_of(recalibrated: Array, corrected: Array) -> Part:
+    """Make a part with given squared errors, ten samples a block."""
+    force = np.array([recalibrated, recalibrated, corrected])
+    return Part('part', force, np.full(len(recalibrated), 10.0), None, np.zeros(0))
+
+
+def test_errors_are_root_mean_squares_over_all_parts() -> None:
+    parts = [part_of(np.full(4, 90.0), np.full(4, 10.0)), part_of(np.zeros(2), np.zeros(2))]
+    force, motion = errors_of(parts)
+    assert force.recalibrated == pytest.approx(np.sqrt(4 * 90.0 / 60.0))
+    assert force.corrected == pytest.approx(np.sqrt(4 * 10.0 / 60.0))
+    assert motion == Errors(None, None, None)
+    assert [part.force.corrected for part in by_part(parts)] == pytest.approx([1.0, 0.0])
+
+
+@pytest.mark.parametrize('recalibrated, corrected, noise, share', [
+    (1.0, 0.5, 0.0, 0.75), (1.0, 0.3, 0.3, 1.0), (1.0, 1.2, 0.3, -0.4835),
+    (0.34, 0.31, 0.3, None), (None, None, 0.3, None)])
+def test_held_out_data_tell_the_share_that_names_explain_beyond_noise(
+    recalibrated: float | None, corrected: float | None, noise: float, share: float | None
+) -> None:
+    told = Errors(3.0, recalibrated, corrected).explained(noise, 0.2)
+    assert told == (None if share is None else pytest.approx(share, abs=1e-3))
+
+
+ATTACHED = nominal(environment__unilateral=False, environment__stiffness=60.0,
+                   environment__damping=20.0)
+
+
+class Scored(NamedTuple):
+    """A candidate with its score."""
+
+    name: str
+    score: float
+
+
+def score_of(one: Scored) -> float:
+    return one.score
+
+
+def names(*given: tuple[str, float]) -> list[str]:
+    return [one.name for one in ranked((Scored(*each) for each in given), score_of)]
+
+
+def test_of_equal_scores_the_zero_of_the_sensor_goes_before_that_of_the_surface() -> None:
+    for score in (1e-30, 0.2, 1e6):
+        given = ('contact_offset', score), ('force_bias', score * (1.0 - 1e-9))
+        assert names(*given) == names(*reversed(given)) == ['force_bias', 'contact_offset'], score
+
+
+def test_of_equal_scores_fewest_parameters_go_first_then_the_order_of_effects() -> None:
+    order = ['force_bias', 'coulomb_friction', 'force_gain', 'presliding_friction']
+    assert names(*((name, 1.0) for name in sorted(order, reverse=True))) == order
+    assert len(set(names(*((name, 1.0) for name in EFFECTS)))) == len(EFFECTS)
+
+
+def told(perturbation: float) -> list[tuple[str, list[str], float]]:
+    """Diagnose a biased sensor on an attached wall, pushed one way, with data rounded anew."""
+    t, draw = np.arange(0.0, 30.0, 0.02), np.random.default_rng(5)
+    x = 0.1 * t / 30.0 + 0.002 * np.sin(t)
+    force = -60.0 * x - 20.0 * np.gradient(x, t) - 12.0 + draw.normal(0.0, 0.05, len(t))
+    x, force = (each * (1.0 + perturbation * draw.uniform(-1.0, 1.0, len(t)))
+                for each in (x, force))
+    found = diagnose(Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0)))), ATTACHED)
+    return [(one.name, one.indistinguishable_from, round(one.probability, 2))
+            for one in found.effects]
+
+
+@pytest.mark.slow
+def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
+    first = told(0.0)
+    assert [name for name, _, _ in first] == ['force_bias']
+    assert told(2e-12) == told(3e-12) == first
+
+
+def held(values: Array, count: int) -> Array:
+    """Repeat every so manieth value until the next."""
+    return np.repeat(values[::count], count)[:len(values)]
+
+
+@pytest.mark.parametrize('count', [2, 3, 10])
+def test_of_repeated_values_the_first_is_kept(count: int) -> None:
+    long = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 100 * count))
+    assert updates(held(long, count)).tolist() == list(range(0, len(long), count))
+
+
+def changed(**rows: Any) -> Signals:
+    """Change some of a recording's signals."""
+    return recorded()._replace(**rows)
+
+
+def refused(signals: Signals, match: str) -> None:
+    """Require an error with a text."""
+    with pytest.raises(RecordingError, match=match):
+        diagnosed(signals)
+
+
+@pytest.mark.slow
+def test_constant_force_is_refused() -> None:
+    refused(changed(force=np.full(1825, -3.0)), 'wrench is constant at -3.*topic, axis')
+
+
+@pytest.mark.parametrize('row', ['force', 'position'])
+@pytest.mark.parametrize('value', [np.nan, np.inf])
+def test_signals_that_are_no_numbers_are_refused(row: str, value: float) -> None:
+    values: Array = getattr(recorded(), row).copy()
+    values[700] = value
+    with pytest.raises(ContactEstimationError, match='finite'):
+        diagnosed(changed(**{row: values}))

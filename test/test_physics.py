@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What every registered effect owes: registering one tests it."""
+"""Effects: their laws against formulas, and their contract."""
 
 from __future__ import annotations
 
@@ -15,13 +15,19 @@ from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters import optional_parameter, specifications
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.contact_law import ContactLaw
+from contact_estimation.physics.effect import Need
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
+from contact_estimation.physics.robot_friction import RobotFriction
+from contact_estimation.physics.robot_law import RobotLaw
 from contact_estimation.plant.world import Truth
-from effect_examples import example
+from effect_examples import example, example_values
+from effect_formulas import Array, FORMULAS, SENSED
 import numpy as np
 import pytest
-from world_reference import K_e, plant_with, simulate
+from world_reference import (
+    B_e, B_t, K_e, K_t, M_t, plant_with, reference_at, simulate, with_effect)
 
 VANISHING = {  # where 0 or the neutral value is out of range, or another has to fit
     'stribeck_friction': {'physics__stribeck_friction__v_s': 1.0},
@@ -100,3 +106,121 @@ def test_law_gives_the_same_for_numbers_and_arrays() -> None:
 def test_effect_with_only_some_of_its_parameters_is_refused() -> None:
     with pytest.raises(ParameterRangeError, match='needs_two needs all of first, second; missing'):
         NeedsTwo(first=1.0).is_on()
+
+
+WALL = [name for name, cls in EFFECTS.items() if cls.port == 'contact']
+SENSOR = [name for name, cls in EFFECTS.items() if cls.port == 'force_sensor']
+ROBOT = [name for name, cls in EFFECTS.items()
+         if cls.port == 'robot' and name != 'joint_flexibility']  # test_diagnosis_names.py
+STATEFUL = [name for name in WALL if example(name).states]
+
+
+def motion(h: float) -> tuple[Any, Any, Any, Any]:
+    """Move into the wall and out of it, twice: time, position and derivatives."""
+    t = h * np.arange(round(1.8 / h))
+    x, v, a = (-0.012 * 9.0**n * np.cos(9.0 * t + 0.5 * n * np.pi) for n in range(3))
+    return t, 0.006 + x, v, a
+
+
+def law_of(name: str, unilateral: bool = True) -> ContactLaw:
+    """Give the wall of the tests an effect."""
+    return ContactLaw(K_e, B_e, 0.0, 0.0, unilateral, [example(name)])
+
+
+def near_switch(force: Array, margin: int) -> Any:
+    """Flag the samples near a touch-down or release."""
+    edges = np.abs(np.diff((force != 0.0).astype(float), prepend=float(force[0] != 0.0)))
+    return np.convolve(edges, np.ones(2 * margin + 1), 'same') > 0.0
+
+
+def truths_of(name: str, count: int = 700, **values: Any) -> tuple[Array, ...]:
+    """Simulate with an effect; rows are the fields of Truth."""
+    return tuple(np.array(simulate(count, with_effect(name, **values))).T)
+
+
+@pytest.fixture
+def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the play of backlash trust positions, which are free of noise here."""
+    monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures('exact_positions')
+def test_law_on_arrays_is_the_contract_s_formula() -> None:
+    for name in WALL:
+        t, x, v, a = motion(2e-5)
+        expected = FORMULAS[name](t, x, v, a, *example_values(name))
+        got = law_of(name).force(t, x, v, a)
+        assert np.max(np.abs(expected)) > 20.0, name
+        away = ~near_switch(expected, 2)
+        assert np.mean(away) > 0.999, name
+        np.testing.assert_allclose(
+            got[away], expected[away], atol=0.02 if name in STATEFUL else 1e-9,
+            err_msg=name)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures('exact_positions')
+def test_force_predicted_from_true_motion_is_the_true_force() -> None:
+    for name in WALL:
+        t, x, v, a, force, _ = truths_of(name)
+        got = law_of(name).force(t, x, v, a)
+        away = ~near_switch(force, 1)
+        if name == 'backlash':  # where the tool turns, its law switches without end
+            away &= np.abs(v) > 1e-3
+        assert np.max(-force) > 10.0 and np.mean(away) > 0.9, name
+        np.testing.assert_allclose(
+            got[away], force[away], atol=PREDICTION.get(name, 1e-9), err_msg=name)
+
+
+PREDICTION = {  # of effects with states, which a recording has only at its samples [N]
+    'viscoelastic_relaxation': 0.03, 'bouc_wen_hysteresis': 0.1, 'plastic_set': 1e-3,
+    'unloading_hysteresis': 1e-3, 'viscous_flow': 1e-3, 'impact_damping': 0.1,
+    'presliding_friction': 0.1, 'fractional_relaxation': 0.03, 'actuator_lag': 0.02,
+    'environment_resonance': 0.03,
+}
+
+
+def test_sensor_on_arrays_is_the_contract_s_formula() -> None:
+    for name in SENSOR:
+        t, x, v, a = motion(2e-5)
+        force = -K_e * x
+        expected = SENSED[name](t, force, a, *example_values(name))
+        got = example(name).sense_along(t, force, a)
+        np.testing.assert_allclose(got, expected, atol=0.1, err_msg=name)
+
+
+def test_reading_of_the_plant_is_that_of_the_sensor_on_arrays() -> None:
+    for name in SENSOR:
+        effect = example(name)
+        assert isinstance(effect, ForceSensorEffect), name
+        t, _, _, a, force, sensed = truths_of(name, 3500, sample_rate=5000.0)
+        got = effect.sense_along(t, force, a)
+        np.testing.assert_allclose(sensed, got, atol=1e-7, err_msg=name)
+
+
+def test_robot_on_arrays_moves_as_the_plant() -> None:
+    for name in ROBOT:
+        t, x, v, a, force, _ = truths_of(name)
+        robot = RobotLaw(M_t, B_t, K_t, [example(name)])
+        reference = np.array([reference_at(now - robot.reference_delay) for now in t]).T
+        driving = robot.force_along(t, x, v, reference, force - robot.mass * a, 0.0)
+        np.testing.assert_allclose(
+            robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9), err_msg=name)
+
+
+def test_friction_holds_a_robot_at_rest_by_what_it_needs_up_to_its_bound() -> None:
+    robot = RobotLaw(M_t, B_t, K_t, [RobotFriction(2.0)])
+    still, pushed = np.zeros(3), np.array([-1.5, 0.0, 5.0])
+    drive = robot.force_along(np.arange(3.0), still, still, np.zeros((4, 3)), pushed, 1e-2)
+    np.testing.assert_allclose(drive, [1.5, 0.0, -2.0], atol=1e-9)
+
+
+# Where the tool turns, a play switches without end.
+@pytest.mark.slow
+def test_attached_wall_obeys_the_law_at_all_times() -> None:
+    for name in (n for n in WALL if Need.TOUCH not in EFFECTS[n].needs and n != 'backlash'):
+        t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)
+        got = law_of(name, unilateral=False).force(t, x, v, a)
+        assert np.max(force) > 1.0, name  # it pulls
+        np.testing.assert_allclose(got, force, atol=PREDICTION.get(name, 1e-9), err_msg=name)

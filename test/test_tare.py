@@ -1,10 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The zero of the force, and the axis on which it acts."""
+"""The zero of the force sensor: tared once, and tracked."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 import json
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.recordings.recorded_signals import FIRST, tare_of
+from contact_estimation.signals.conditioning import ZeroTracker
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -109,3 +111,102 @@ def test_a_force_that_differs_on_the_way_out_is_refused() -> None:
     wanders = np.sin(2.0 * np.pi * (TIMES - 20.0) / 10.0)
     assert abs(np.corrcoef(wanders, DEPTH)[0, 1]) < 0.2
     assert not found_with(wanders)
+
+
+TRUE_K = 4800.0
+
+
+@lru_cache(maxsize=1)
+def touches() -> Any:
+    """Return time, force and position of three touches."""
+    run = simulate_experiment(
+        ce.PlantParameters(sensors=ce.SensorParameters(force_noise=0.3)),
+        ce.experiment_named('rich'))
+    return run.stamp_ns, run.measured[0], run.measured[1]
+
+
+def drifting(folder: Path, rate: float) -> Path:
+    """Write what a sensor records whose zero drifts by so many N/s."""
+    stamp_ns, force, x = touches()
+    t = 1e-9 * (stamp_ns - stamp_ns[0])
+    path = folder / 'run.mcap'
+    ce.write_recording(
+        path, {'t_ns': stamp_ns, 'wrench.force.x': force + 4.0 + rate * t, 'joint.x': x})
+    return path
+
+
+def test_tracker_is_the_least_squares_line_of_a_steady_drift() -> None:
+    t = np.arange(0.0, 2.0, 0.002)
+    force = 0.4 * t + np.random.default_rng(1).normal(0.0, 0.1, len(t))
+    tracker = ZeroTracker()
+    for value in force:
+        tracker.predict(0.002)
+        tracker.correct(value - tracker.zero, 0.1)
+    slope, level = np.polyfit(t - t[-1], force, 1)
+    assert tracker.zero == pytest.approx(level, abs=0.03)
+    assert tracker.drift == pytest.approx(slope, abs=0.05)
+
+
+@pytest.mark.parametrize('rate', [0.0, 0.2])
+def test_a_tracked_zero_takes_the_drift_out_of_the_stiffness(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], rate: float
+) -> None:
+    run, errors = drifting(tmp_path, rate), {}
+    for tare in ('first-free-flight', 'tracked'):
+        Command('replay', replay, capfd)(run, '--tare', tare, '--json', tmp_path / 'a.json',
+                                         '--csv', tmp_path / 'a.csv')
+        summary = json.loads((tmp_path / 'a.json').read_text())
+        rows = np.genfromtxt(tmp_path / 'a.csv', delimiter=',', names=True, dtype=None,
+                             encoding='utf-8')
+        rows = rows[rows['status'] == 'estimating']
+        errors[tare] = float(np.median(np.abs(rows['stiffness'] / TRUE_K - 1.0)))
+    inside = np.abs(rows['stiffness'] - TRUE_K) < 2.0 * rows['stiffness_std']
+    assert np.mean(inside) > 0.9
+    assert errors['tracked'] < 0.01
+    assert not rate or errors['tracked'] < 0.5 * errors['first-free-flight']
+    names = {one['name'] for one in summary['warnings']}
+    assert not names & {'force_bias', 'zero_step'}
+
+
+def test_a_step_of_a_tracked_zero_is_told(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    stamp_ns, force, x = touches()
+    stepped = force + np.where(np.arange(len(x)) > 250, 6.0, 0.0)  # 0.5 s, in free flight
+    ce.write_recording(tmp_path / 'run.mcap', {
+        't_ns': stamp_ns, 'wrench.force.x': stepped, 'joint.x': x})
+    Command('replay', replay, capfd)(
+        tmp_path / 'run.mcap', '--tare', 'tracked', '--json', tmp_path / 'a.json')
+    told = [one['text'] for one in json.loads((tmp_path / 'a.json').read_text())['warnings']
+            if one['name'] == 'zero_step']
+    assert told and 'stepped by +6 N' in told[0]
+
+
+@pytest.mark.parametrize('place', ['in free flight', 'in contact'])
+def test_a_step_of_a_tracked_zero_is_followed_where_it_is_seen_and_else_told(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], place: str
+) -> None:
+    stamp_ns, force, x = touches()
+    pressing = np.flatnonzero(force < -10.0)
+    at = 250 if place == 'in free flight' else int(pressing[200])
+    stepped = force + np.where(np.arange(len(x)) > at, -6.0, 0.0)
+    run = tmp_path / 'run.mcap'
+    ce.write_recording(run, {'t_ns': stamp_ns, 'wrench.force.x': stepped, 'joint.x': x})
+    recording = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'})
+    left = recording.signals.force - force
+    if place == 'in free flight':
+        assert np.sqrt(np.mean(left**2)) < 0.4  # of 6 N, for the 40 ms until it is seen
+        return
+    end = int(pressing[200]) + int(np.argmax(x[pressing[200]:] < -0.005))
+    assert np.median(left[end:]) - np.median(left[:at]) == pytest.approx(-6.0, abs=0.2)
+    Command('replay', replay, capfd)(run, '--tare', 'tracked', '--json', tmp_path / 'a.json')
+    told = [one['text'] for one in json.loads((tmp_path / 'a.json').read_text())['warnings']
+            if one['name'] == 'zero_step']
+    assert told and 'stepped by -6 N between' in told[0]
+
+
+def test_diagnosis_takes_the_force_less_its_tracked_zero(tmp_path: Path) -> None:
+    run = drifting(tmp_path, 0.5)
+    found = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'}).signals
+    error = found.force - touches()[1]
+    assert np.abs(error).max() < 0.2 and np.sqrt(np.mean(error**2)) < 0.05

@@ -1,11 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The reference x_r and the laws from force to position, alone and in closed loop."""
+"""The reference: its laws, its safety whatever comes, and under storms of messages."""
 
 from __future__ import annotations
 
-from math import nan
+from math import inf, isfinite, nan, ulp
 from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
@@ -13,9 +13,12 @@ from contact_estimation.parameters import build
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import (
-    eq20_compliance, quintic, ReferenceGenerator, series_compliance)
+    eq20_compliance, LAWS, limited, quintic, ReferenceGenerator, series_compliance)
 from contact_estimation.reference.setpoints import Desired, Reference
+from contact_estimation.signals.stream_faults import CONFIRMING
 from core_runs import closed_loop, PAPER_SENSORS
+from hostile_loop import CHANGES, Event, HostileLoop, TOPICS
+from hypothesis import given, Phase, settings, strategies as st
 import numpy as np
 import pytest
 
@@ -144,3 +147,114 @@ def test_derivatives_are_those_of_finite_differences(order: int) -> None:
         before, after = (quintic(BEGIN, END, DURATION, t + s * h) for s in (-1, 1))
         difference = (after[order - 1] - before[order - 1]) / (2.0 * h)
         assert quintic(BEGIN, END, DURATION, t)[order] == pytest.approx(difference, abs=1e-8)
+
+
+DT, PERIOD_NS = 0.002, 2_000_000
+ANY = st.floats(width=64) | st.sampled_from([nan, inf, -inf, 0.0, 1e308, -1e308, 5e-324])
+COMMON = st.floats(-0.05, 0.05)
+HOSTILE = COMMON | ANY
+WANTED = st.builds(Desired, HOSTILE, HOSTILE, HOSTILE, st.floats(0.0, 100.0) | ANY)
+LIMITS = st.builds(
+    ReferenceParameters,
+    stiffness_floor=st.floats(1e-3, 1e4), maximum_velocity=st.floats(1e-6, 10.0),
+    fade_s=st.floats(1e-3, 60.0), maximum_force_rate=st.floats(0.0, 1e6),
+)
+always_the_same = settings(
+    derandomize=True, database=None, deadline=None, max_examples=200,
+    phases=(Phase.explicit, Phase.generate),  # shrinking takes minutes
+)
+
+
+def assert_safe(
+    last: Reference, now: Reference, dt: float, period: float, speed: float, deepest: float
+) -> None:
+    """Check one step, and the parabola that the robot follows until the next."""
+    assert all(map(isfinite, now[:3]))
+    rounding = 4.0 * (ulp(now.position) + ulp(last.position))
+    assert abs(now.position - last.position) <= speed * max(dt, 0.0) * (1.0 + 1e-9) + rounding
+    for tau in (0.0, 0.5 * period, period):
+        assert abs(now.velocity + tau * now.acceleration) <= speed * (1.0 + 1e-9)
+        reached = now.position + tau * (now.velocity + 0.5 * tau * now.acceleration)
+        assert not reached > max(deepest, now.position) + rounding
+    assert not now.position > max(deepest, last.position) + rounding
+
+
+@always_the_same
+@given(COMMON, st.builds(Reference, HOSTILE, HOSTILE, HOSTILE), st.floats(0.0, 1.0),
+       st.floats(1e-6, 10.0), HOSTILE)
+def test_the_limits_hold_for_any_target(
+    begin: float, target: Reference, dt: float, speed: float, deepest: float
+) -> None:
+    last = Reference(begin, 0.0, 0.0)
+    assert_safe(last, limited(last, target, dt, DT, speed, deepest), dt, DT, speed, deepest)
+
+
+STEPS = st.lists(st.tuples(
+    WANTED, st.booleans(), HOSTILE, st.floats(1.0, 1e6) | ANY,
+    st.floats(0.0, 0.01) | st.sampled_from([DT, 10.0, 1e-12]),
+    st.none() | st.tuples(st.sampled_from(list(LAWS)), LIMITS), COMMON | st.just(nan),
+), min_size=1, max_size=30)
+
+
+@always_the_same
+@given(STEPS, COMMON)
+def test_the_generator_is_safe_with_any_estimates_and_setpoints(
+    steps: list[Any], begin: float
+) -> None:
+    limits = ReferenceParameters()
+    generator, t, last = ReferenceGenerator('eq20', limits), 0.0, Reference(begin, 0.0, 0.0)
+    generator.start(begin)
+    for desired, contact, x_e, K_hat, dt, change, deepest in steps:
+        if change:
+            limits = change[1]
+            generator.configure(*change)
+        t += dt
+        now = generator.step(t, dt, desired, contact, x_e, K_hat, deepest)
+        assert_safe(last, now, dt, DT, limits.maximum_velocity, deepest)
+        last = now
+
+
+FAR = st.floats(1e-3, 1e4).flatmap(lambda s: st.sampled_from([s, -s]))
+DESIRED = st.builds(
+    Desired, st.floats(-0.1, 0.1), st.floats(-1.0, 1.0), st.just(0.0), st.floats(0.0, 100.0))
+
+
+def event(kinds: str, values: st.SearchStrategy[Any] = st.none()) -> st.SearchStrategy[Event]:
+    """Draw one of some kinds of events, its value and its topics."""
+    kind, topics = st.sampled_from(kinds.split()), st.sampled_from(TOPICS)
+    return st.tuples(kind, values, topics).map(lambda drawn: Event(*drawn))
+
+
+EVENT = st.one_of(
+    event('shift clock', FAR), event('stamp', st.sampled_from([0, -1, 2**63, nan])),
+    event('drop twice reset tare set_location'), event('withhold', st.integers(1, 20)),
+    event('desired', DESIRED), event('change', st.sampled_from(
+        [(name, value) for name, values in CHANGES.items() for value in values])))
+
+
+@settings(derandomize=True, database=None, deadline=None, max_examples=60,
+          phases=(Phase.explicit, Phase.generate))
+@given(st.lists(st.tuples(EVENT, st.integers(0, 12)), min_size=3, max_size=20))
+def test_no_sequence_of_events_breaks_a_limit(pauses: list[tuple[Event, int]]) -> None:
+    events = [one for event, pause in pauses for one in [event, *[Event('plain')] * pause]]
+    assert HostileLoop().run(events) == []
+
+
+@pytest.mark.parametrize('events, reasons, jumps', [
+    ([Event('stamp', 0)], {'joint_zero_stamp': 1, 'wrench_zero_stamp': 1}, 0),
+    ([Event('stamp', -5)], {'joint_invalid_stamp': 1, 'wrench_invalid_stamp': 1}, 0),
+    ([Event('stamp', nan)], {'joint_invalid_stamp': 1, 'wrench_invalid_stamp': 1}, 0),
+    ([Event('shift', 0.6)], {'joint_future_stamp': 1, 'wrench_future_stamp': 1}, 0),
+    ([Event('shift', -3.0, 'wrench')], {'wrench_past_stamp': 1}, 0),
+    ([Event('shift', 1e4)] * (CONFIRMING - 1),
+     {'joint_future_stamp': CONFIRMING - 1, 'wrench_future_stamp': CONFIRMING - 1}, 0),
+    ([Event('clock', -3600.0)], {}, 1), ([Event('clock', 3600.0)], {}, 0),
+])
+def test_false_stamps_are_counted_and_only_a_clock_that_stays_is_followed(
+    events: list[Event], reasons: dict[str, int], jumps: int
+) -> None:
+    loop = HostileLoop()
+    loop.run([*events, *[Event('plain')] * 20])
+    session = loop.session
+    assert (+session.rejected, session.time_jumps, loop.violations) == (reasons, jumps, [])
+    assert session.last_stamp_ns == loop.now_ns

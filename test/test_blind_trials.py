@@ -1,0 +1,277 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Blind trials: worlds, rigs, scores and studies."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from blind_worlds import answer, short_trial, synthetic_run, truth, WORLD
+from contact_estimation.diagnosis.fit.constants import Constants
+from contact_estimation.parameter_files import read_parameter_file
+from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.prior import Scales
+from contact_estimation.studies.blind_trials import command as study
+from contact_estimation.studies.blind_trials.command import (
+    diagnose_command, main, plan_study, PlannedTrial, run_trial)
+from contact_estimation.studies.blind_trials.concealment import residual
+from contact_estimation.studies.blind_trials.scoring import (
+    as_text, RIGHT, Score, score, SILENT, WRONG)
+from contact_estimation.studies.blind_trials.trial import (
+    EFFECTS_OF_A_WALL, plan_effects, TrialFiles, write_json, write_trial)
+from contact_estimation.studies.blind_trials.worlds import RandomWorld, Run
+import numpy as np
+import pytest
+
+SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
+
+
+def rms_of(in_motion: bool, world: RandomWorld, run: Run) -> float:
+    """Return the RMS residual of the contact, or that in the motion of the robot."""
+    return float(np.sqrt(np.nanmean(residual(in_motion, world, run) ** 2)))
+
+
+# -- random draws ---------------------------------------------------------------------------
+
+
+def test_a_plan_has_every_effect_once_before_any_comes_twice() -> None:
+    count = len(EFFECTS_OF_A_WALL)
+    effects = plan_effects(2 * count, 5)
+    assert sorted(effects[:count]) == sorted(effects[count:]) == sorted(EFFECTS_OF_A_WALL)
+    assert plan_effects(7, 5) == effects[:7]
+
+
+def test_parameters_move_away_from_neutral_as_the_strength_grows() -> None:
+    for name in EFFECTS:
+        strength = EFFECTS[name].draw(SCALES, np.random.default_rng(1))
+        neutral = EFFECTS[name].neutral()
+
+        def distance(s: float) -> float:
+            values = strength(s)
+            if 'limit' in values:
+                return max(SCALES.force, SCALES.control) - values['limit']
+            return sum(abs(v - neutral.get(k, 0.0)) for k, v in values.items() if k != 'K_n')
+
+        assert distance(0.2) < distance(0.4), name
+        assert EFFECTS[name](**strength(0.3)).is_possible(SCALES.stiffness, SCALES.damping), name
+
+
+# -- concealment ----------------------------------------------------------------------------
+
+
+def test_contact_residual_matches_the_normal_equations() -> None:
+    run = synthetic_run()
+    extra = np.where(run.force < 0.0, -0.7 * np.tanh(run.v / 4e-4), 0.0)
+    on = (run.force < 0.0) & (run.x > 0.0)
+    touching = run.x > 0.0
+    A = np.column_stack((run.x, run.v))[on]
+    K, B = np.linalg.solve(A.T @ A, -A.T @ (run.force + extra)[on])
+    predicted = np.minimum(0.0, -K * run.x - B * run.v)[touching]
+    rms = float(np.sqrt(np.mean(((run.force + extra)[touching] - predicted) ** 2)))
+    assert rms_of(False, WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
+
+
+# -- sensors --------------------------------------------------------------------------------
+
+
+# -- integration ------------------------------------------------------------------------------
+
+
+# -- nuisances --------------------------------------------------------------------------------
+
+
+# -- degree -----------------------------------------------------------------------------------
+
+
+# -- plan and files ---------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_only_write_leaves_recordings_and_truths(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ['--count', '0', '--foreign', '1', '--unknown', '1', '--seed', '5', '--only-write',
+             '--output', str(tmp_path)]
+    assert main(words) == 0
+    assert 'wrote 2 trials' in capsys.readouterr().out
+    recordings = sorted(path.stem for path in (tmp_path / 'handed_over').glob('*.mcap'))
+    truths = sorted(path.name for path in (tmp_path / 'sealed').glob('*.truth.json'))
+    assert truths == [f'{name}.truth.json' for name in recordings]
+    assert not (tmp_path / 'reports').exists()
+    first = (tmp_path / 'sealed' / truths[0]).read_text()
+    assert main([*words[:-1], str(tmp_path / 'again')]) == 0
+    assert (tmp_path / 'again' / 'sealed' / truths[0]).read_text() == first
+
+
+LUGRE: dict[str, Any] = {
+    'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
+    'stage': 'press', 'concealed': 3.0,
+}
+
+
+def scored(truth: dict[str, Any], answer: dict[str, Any]) -> Score:
+    return score('trial_1', truth, answer)
+
+
+@pytest.mark.parametrize('names, rivals, outcome, surplus', [
+    (['coulomb_friction'], (), RIGHT, False),
+    (['presliding_friction', 'stribeck_friction'], (), RIGHT, False),
+    (['bouc_wen_hysteresis'], ('coulomb_friction',), RIGHT, False),
+    (['coulomb_friction', 'force_lag'], (), RIGHT, True),
+    (['force_lag', 'coulomb_friction'], (), WRONG, False),
+    (['force_bias', 'coulomb_friction'], (), RIGHT, False),
+    (['coulomb_friction', 'contact_offset'], (), RIGHT, False),
+    (['force_bias'], (), SILENT, False),
+    ([], (), SILENT, False),
+])
+def test_on_a_rig_the_family_of_the_first_name_decides(
+    names: list[str], rivals: tuple[str, ...], outcome: str, surplus: bool
+) -> None:
+    one = scored(LUGRE, answer(*names, rivals=rivals))
+    assert (one.outcome, one.surplus, one.kind) == (outcome, surplus, 'foreign')
+
+
+def test_true_name_counts_first_or_among_the_alternatives_of_the_first() -> None:
+    told = truth('coulomb_friction')
+    right = scored(told, answer('coulomb_friction'))
+    rival = scored(told, answer('stribeck_friction', rivals=('coulomb_friction',)))
+    second = scored(told, answer('cubic_stiffness', 'coulomb_friction'))
+    relative = scored(told, answer('stribeck_friction'))
+    assert [s.outcome for s in (right, rival, second, relative)] == [RIGHT, RIGHT, WRONG, WRONG]
+    assert scored(told, answer('coulomb_friction', 'force_bias')).surplus
+
+
+@pytest.mark.parametrize('said, outcome', [
+    (answer(), SILENT), (answer(verdict='consistent'), SILENT), (answer('force_bias'), WRONG),
+    (answer(verdict='unexplained'), WRONG),
+])
+def test_any_name_or_accusation_in_a_clean_world_is_a_false_alarm(
+    said: dict[str, Any], outcome: str
+) -> None:
+    clean = scored(truth(), said)
+    assert (clean.kind, clean.outcome, clean.is_miss) == ('clean', outcome, outcome == WRONG)
+
+
+def test_parameter_errors_are_relative_to_the_distance_from_no_effect() -> None:
+    told = truth('power_law_stiffness', parameters={'n': 1.2, 'K_n': 900.0})
+    said = answer('power_law_stiffness', parameters={'n': 1.17, 'K_n': 945.0})
+    assert scored(told, said).parameter_errors == pytest.approx({'n': 15.0, 'K_n': 5.0})
+
+
+def test_the_table_counts_each_kind_by_itself() -> None:
+    told = truth('force_bias', parameters={'bias': 2.0})
+    scores = [
+        scored(told, answer('force_bias', parameters={'bias': bias})) for bias in (2.1, 2.2, 3.0)
+    ] + [scored(told, answer('force_drift')), scored(truth(), answer())]
+    lines = [line.split() for line in as_text(scores, '').splitlines()]
+    assert [*'75 of 4'.split()] in [line[-3:] for line in lines]
+    assert '10 of 3'.split() in [line[-3:] for line in lines if line[:3] == [
+        'median', 'parameter', 'error']]
+    assert '0 of 1'.split() in [line[-3:] for line in lines if line[:2] == ['false', 'alarms']]
+
+
+PLANNED = PlannedTrial('trial_x', 'force_bias', (0, 0, 0))
+
+
+@pytest.fixture(scope='module')
+def files(tmp_path_factory: pytest.TempPathFactory) -> TrialFiles:
+    """Write the files of a short trial."""
+    paths = TrialFiles.of(tmp_path_factory.mktemp('study'), 'trial_x')
+    write_trial(short_trial('force_bias', bias=2.0), paths, np.random.default_rng(0))
+    return paths
+
+
+def done(folder: Path, planned: PlannedTrial, said: dict[str, Any]) -> TrialFiles:
+    """Write the files of a finished trial."""
+    files = TrialFiles.of(folder, planned.name)
+    told = truth(planned.effect) if planned.effect else truth()
+    write_json(files.truth, told)
+    write_json(files.report, said)
+    return files
+
+
+def test_the_diagnosis_command_does_not_contain_the_truth(files: TrialFiles) -> None:
+    words = diagnose_command(files.recording, files.nominal, Path('out.json'))
+    assert not any('truth' in word or files.truth.parent.name in word for word in words)
+    assert files.truth.parent not in (files.recording.parent, files.nominal.parent)
+
+
+def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> None:
+    names = {planned.name for planned in plan_study(30, 10, 3)}
+    assert len(names) == 40
+    assert not any(effect in name for name in names for effect in EFFECTS)
+    assert {len(name) for name in names} == {len('trial_') + 8}
+    assert 'physics' not in files.nominal.read_text()
+    assert read_parameter_file(str(files.nominal), 'plant_node') == {
+        'environment.stiffness': 4400.0, 'environment.damping': 80.0,
+        'environment.location': 0.0, 'robot.mass': 20.0, 'robot.damping': 600.0,
+        'robot.stiffness': 4000.0,
+    }
+
+
+def test_finished_steps_of_a_trial_are_not_repeated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[str] = []
+    monkeypatch.setattr(study, 'draw_trial', lambda *_: calls.append('draw'))
+    monkeypatch.setattr(study, 'write_trial', lambda *_: calls.append('write'))
+    monkeypatch.setattr(study, 'diagnose_blind', lambda _: calls.append('diagnose'))
+    run_trial(tmp_path, PLANNED)
+    assert calls == ['draw', 'write', 'diagnose']
+    calls.clear()
+    files = done(tmp_path, PLANNED, answer('force_bias'))
+    run_trial(tmp_path, PLANNED)
+    assert calls == []
+    files.report.unlink()
+    run_trial(tmp_path, PLANNED)
+    assert calls == ['diagnose']
+
+
+def test_a_finished_study_of_rigs_is_scored_by_family(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (planned,) = plan_study(0, 0, 0, foreign=1)
+    files = TrialFiles.of(tmp_path, planned.name)
+    told = {'law': planned.effect, 'port': 'contact', 'families': ['friction'], 'unknown': None,
+            'stage': 'press', 'concealed': 3.0}
+    write_json(files.truth, told)
+    write_json(files.report, answer('coulomb_friction'))
+    target = tmp_path / 'scores.json'
+    words = ['--count', '0', '--foreign', '1', '--output', str(tmp_path), '--json', str(target)]
+    assert main(words) == 0
+    assert 'right family first, no surplus name [%]' in capsys.readouterr().out
+    assert json.loads(target.read_text())['kinds'] == {'foreign': {
+        'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0, 'failed': 0, 'surplus': 0}}
+
+
+@pytest.mark.slow
+def test_the_command_draws_diagnoses_and_scores_trials(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target, constants = tmp_path / 'scores.json', tmp_path / 'constants.json'
+    words = ['--count', '0', '--clean', '1', '--seed', '3', '--output', str(tmp_path / 'study'),
+             '--json', str(target), '--calibrate', str(constants)]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert 'clean: nothing missing' in said and 'constants of the decision' in said
+    assert set(json.loads(constants.read_text())) == set(Constants._fields)
+    told = json.loads(target.read_text())
+    assert (told['kinds']['clean']['trials'], told['seed']) == (1, 3)
+    assert told['trials'][0]['error'] == ''
+    assert (tmp_path / 'study' / 'reliability.png').stat().st_size > 1000
+    assert (tmp_path / 'study' / 'table.txt').exists()
+
+
+@pytest.mark.parametrize('words, message', [
+    (['--count', '0'], 'all 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
+    (['--count', '0', '--unknown', '-1'], '--unknown must be >= 0'),
+    (['--count', '1', '--jobs', '0'], '--jobs must be >= 1'),
+])
+def test_the_command_refuses_invalid_counts(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 1
+    assert message in capsys.readouterr().err
