@@ -1,12 +1,12 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The small arm pressing on a tilted wall, as the messages that its drivers would publish."""
+"""A small arm: kinematics by hand-written transforms, and messages as it presses on a wall."""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Sequence
 
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.signals.contact_sample import ContactSample
@@ -14,10 +14,61 @@ from core_runs import contact_samples
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from reference_messages import joint_state_bytes, wrench_bytes
-from small_arm import JOINTS, pose, urdf
+from reference_messages import joint_state_bytes, transforms_bytes, wrench_bytes
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+
+# Link, parent, joint, type, xyz, rpy, axis.
+_LINKS = (
+    ('base_link', 'world', 'mount', 'fixed', (0.1, 0.2, 0.3), (0.1, 0.2, 0.3), (1, 0, 0)),
+    ('link_1', 'base_link', 'shoulder', 'revolute', (0, 0, 0.3), (0, 0, 0), (0, 0, 1)),
+    ('link_2', 'link_1', 'elbow', 'continuous', (0.1, 0, 0.1), (0.2, 0, 0), (0, 1, 0)),
+    ('link_3', 'link_2', 'wrist', 'revolute', (0.4, 0, 0), (0, 0.3, 0), (0, 0.6, 0.8)),
+    ('sensor', 'link_3', 'sensor_mount', 'fixed', (0.3, 0, 0), (0, 1.2, 0), (1, 0, 0)),
+    ('tool', 'sensor', 'tool_mount', 'fixed', (0, 0, 0.1), (0, 0, 0.4), (1, 0, 0)),
+    ('finger', 'tool', 'finger_joint', 'prismatic', (0, 0, 0.1), (0, 0, 0), (0, 1, 0)),
+)
+JOINTS = ('shoulder', 'elbow', 'wrist')
+MOVING = ('link_1', 'link_2', 'link_3', 'finger')
+FIXED = ('base_link', 'sensor', 'tool')
+_LIMITS = '<limit lower="-3" upper="3" effort="100" velocity="10"/>'
+
+
+def urdf() -> str:
+    """Return the description."""
+    joints = ''.join(
+        f'<link name="{link}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{link}"/><origin xyz="{_text(xyz)}" rpy="{_text(rpy)}"/>'
+        f'<axis xyz="{_text(axis)}"/>{_LIMITS}</joint>'
+        for link, parent, name, kind, xyz, rpy, axis in _LINKS
+    )
+    return f'<robot name="small_arm"><link name="world"/>{joints}</robot>'
+
+
+def pose(q: Sequence[float], link: str = 'tool', base: str = 'base_link') -> Array:
+    """Return the homogeneous transform (4, 4) from a link to the base."""
+    T, here = np.eye(4), link
+    while here != base:
+        here, own = step(q, here)
+        T = own @ T
+    return T
+
+
+def step(q: Sequence[float], link: str) -> tuple[str, Array]:
+    """Return the parent of a link, and the homogeneous transform (4, 4) from the link to it."""
+    angles = dict(zip(JOINTS, q))
+    _, parent, name, _, xyz, rpy, axis = next(row for row in _LINKS if row[0] == link)
+    own = np.eye(4)
+    turned = Rotation.from_rotvec(np.array(axis) * angles.get(name, 0.0))
+    own[:3, :3] = (Rotation.from_euler('xyz', rpy) * turned).as_matrix()
+    own[:3, 3] = xyz
+    return parent, own
+
+
+def _text(numbers: Sequence[float]) -> str:
+    return ' '.join(str(number) for number in numbers)
+
 
 K_E, B_E = 4800.0, 200.0
 NORMAL = np.array([0.6, 0.0, -0.8])
@@ -84,4 +135,39 @@ def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]
         force, torque = wrench[:3].tolist(), wrench[3:].tolist()
         raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id='sensor')
         listed.append(('/wrench', stamp_ns, raw))
+    return listed
+
+
+OF_TF: dict[str, Any] = {**PARAMETERS, 'pose_source': 'tf'}
+
+
+def transform(q: Any, link: str, stamp_ns: int = 0) -> tuple[int, str, str, Any]:
+    """Return stamp, parent, child and pose of a link."""
+    parent, T = step(q, link)
+    turned = Rotation.from_matrix(T[:3, :3]).as_quat()
+    return stamp_ns, parent, link, (*T[:3, 3].tolist(), *turned.tolist())
+
+
+def static_bytes(links: Sequence[str] = FIXED) -> bytes:
+    return transforms_bytes([transform((0.0, 0.0, 0.0), link) for link in links])
+
+
+@lru_cache(maxsize=None)
+def tf_messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]]:
+    """
+    Return topic, stamp and content of all messages, transforms in place of joint states.
+
+    Transforms are given with every so many wrenches, in one message or from two publishers of
+    which the second comes late.
+    """
+    listed = [('/tf_static', 0, static_bytes())]
+    truth = {one.contact.stamp_ns: one.q for one in instants()}
+    wrenches = [m for m in messages() if m[0] == '/wrench']
+    for number, (topic, stamp_ns, raw) in enumerate(wrenches):
+        if number % every == 0:
+            parts = [MOVING[:2], MOVING[2:]] if split else [MOVING]
+            for part in parts:
+                listed.append(('/tf', stamp_ns, transforms_bytes(
+                    [transform(truth[stamp_ns], link, stamp_ns) for link in part])))
+        listed.append((topic, stamp_ns, raw))
     return listed

@@ -1,12 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Short noisy recordings of worlds whose physics the diagnosis is not told, each made once."""
+"""Short noisy recordings of worlds with concealed physics, some of it outside the library."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
+from math import pi, sin
 from typing import Any, Sequence
 
 from contact_estimation.diagnosis.diagnose import diagnose
@@ -15,15 +16,90 @@ from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.result import Diagnosis
-from contact_estimation.parameters import build
+from contact_estimation.parameters import build, optional_parameter
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.contact_effect import ContactEffect, State
 from contact_estimation.physics.effect import Effect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.numeric import Number
+from contact_estimation.physics.robot_effect import RobotEffect
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import run_open_loop, simulate_force
 from contact_estimation.reference.experiment import Excitation, Experiment, Multisine, Segment
 from contact_estimation.reference.reference_generator import quintic
 import numpy as np
-from outside_effects import make_outside
+
+
+@dataclass(frozen=True)
+class SoftSpell(ContactEffect):
+    """A wall that is softer during an interval."""
+
+    softer: float = optional_parameter('', '1')
+    first: float = optional_parameter('', '1')
+    last: float = optional_parameter('', '1')
+
+    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
+        return -self.softer * d if self.first < t < self.last else 0.0
+
+
+@dataclass(frozen=True)
+class WarmingWall(ContactEffect):
+    """A wall that softens as motion warms it, and recovers as it cools."""
+
+    softening: float = optional_parameter('', '1')
+    tau: float = optional_parameter('', '1')
+    states = 1  # warmth, as distance travelled in contact [m]
+
+    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
+        return -self.softening * state[0] * d
+
+    def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
+        """Heat by motion in contact, and cool exponentially."""
+        return ((abs(v) if contact else 0.0) - state[0] / self.tau,)
+
+
+@dataclass(frozen=True)
+class Ripple(ContactEffect):
+    """A force periodic in the depth, as of a thread or of magnets."""
+
+    amplitude: float = optional_parameter('', '1')
+    wavelength: float = optional_parameter('', '1')
+
+    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
+        return self.amplitude * sin(2.0 * pi * d / self.wavelength)
+
+
+@dataclass(frozen=True)
+class Hum(ForceSensorEffect):
+    """A force sensor that picks up the mains."""
+
+    amplitude: float = optional_parameter('', '1')
+    frequency: float = optional_parameter('', '1')
+
+    def sense(self, t: Number, force: Number, acceleration: Number, m: Any) -> Number:
+        return force + self.amplitude * m.sin(2.0 * pi * self.frequency * t)
+
+
+@dataclass(frozen=True)
+class DeadBand(RobotEffect):
+    """Drives that do not answer to small forces."""
+
+    width: float = optional_parameter('', '1')
+
+    def control(self, u: Any, m: Any) -> Any:
+        width = self.width
+        return u - 0.5 * (abs(u + width) - abs(u - width))
+
+
+OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
+    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, Hum, DeadBand)
+}
+
+
+def make_outside(name: str, **values: float) -> Effect:
+    """Build an effect outside the library, to pass to `World`."""
+    return OUTSIDE_EFFECTS[name](**values)
+
 
 MODEL: dict[str, Any] = {
     'environment.stiffness': 5000.0, 'environment.damping': 120.0,

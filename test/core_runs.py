@@ -1,16 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Closed-loop runs and synthetic samples that several test files share, each made once."""
+"""Closed-loop runs and synthetic samples that several test files share, and rows one at a time."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import nan
-from typing import Any, Mapping, NamedTuple
+from typing import Any, Mapping, NamedTuple, Sequence
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
-from contact_estimation.estimators.estimate import Estimate
+from contact_estimation.estimators.estimate import Estimate, Frozen
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
@@ -22,8 +22,53 @@ from contact_estimation.plant.world import Truth
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.reference.reference_generator import quintic
 from contact_estimation.signals.contact_sample import ContactSample
-from core_steps import estimate_after
 import numpy as np
+
+FREE = Frozen(False, False)
+
+
+class Known(NamedTuple):
+    """What an estimator knows."""
+
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    location_shift: float
+    inertia: float
+
+
+def known(estimator: Any) -> Known:
+    """Ask an estimator what it knows now."""
+    return Known(*estimator.current())
+
+
+def learn(
+    estimator: Any, dt: float, row: Sequence[float], variance: float = 0.0, frozen: Frozen = FREE
+) -> None:
+    """Let an estimator learn from one row."""
+    estimator.update([(dt, row)], variance, frozen)
+
+
+def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
+    """Pass rows through a filter bank, one at a time."""
+    return [bank.take(row) for row in rows]
+
+
+def row_of(
+    relation: Any, dt: float, delta: float, velocity: float, pressing: float, contact: bool
+) -> Sequence[float] | None:
+    """Build the row of one sample; None outside contact."""
+    if contact:
+        return relation.row(dt, delta, velocity, pressing)  # type: ignore[no-any-return]
+    relation.leave()
+    return None
+
+
+def estimate_after(pipeline: Any, sample: ContactSample) -> Any:
+    """Pass one sample through a pipeline."""
+    return pipeline.process((sample,))[0]
+
 
 PAPER_SENSORS = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 PERIOD_NS = 2_000_000

@@ -16,8 +16,7 @@ from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelRefe
 from contact_estimation.estimators.parameters import EnvironmentParameters
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.signals.contact_sample import ContactSample
-from core_runs import closed_loop, contact_samples, PAPER_SENSORS, pipeline_with, Run
-from core_steps import known, learn
+from core_runs import closed_loop, contact_samples, known, learn, PAPER_SENSORS, pipeline_with, Run
 import numpy as np
 from numpy.typing import NDArray
 import pytest

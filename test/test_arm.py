@@ -10,7 +10,7 @@ from math import nan
 from typing import Any, Mapping
 
 from arm_contact import (
-    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START)
+    B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, pose, START, urdf)
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
@@ -20,7 +20,6 @@ from contact_estimation.pipeline.session import ContactSession
 import numpy as np
 import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
-from small_arm import pose, urdf
 
 pytest.importorskip('pinocchio')
 

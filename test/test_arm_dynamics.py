@@ -15,8 +15,8 @@ from contact_estimation.physics.joint_drive import through_gap
 from contact_estimation.physics.joint_effects import JOINT_EFFECTS, JointMotion
 from contact_estimation.plant.arm_models import arm_description, ARM_MODELS, TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate_arm
+from contact_estimation.recordings.decoding import decode_arm
 from contact_estimation.recordings.encoding import encode_arm
-from contact_estimation.recordings.joint_decoding import decode_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
 from contact_estimation.studies.arm_concealed_laws import ENGINE, mujoco_arm
 from contact_estimation.studies.arm_models import (

@@ -11,13 +11,14 @@ import struct
 import sys
 from typing import Any, Iterable, Mapping
 
-from arm_contact import B_E, instants, K_E, LOCATION, messages, PARAMETERS
-from arm_transforms import OF_TF, static_bytes, tf_messages, transform
+from arm_contact import (
+    B_E, instants, K_E, LOCATION, messages, MOVING, OF_TF, PARAMETERS, pose, static_bytes,
+    tf_messages, transform, urdf)
 from contact_estimation.commands import replay
 from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import (
     MessageError, ModelFileError, ParameterRangeError, UnknownNameError)
-from contact_estimation.kinematics.frame_tree import FrameTree
+from contact_estimation.kinematics.frame_tree import FrameTree, StampedTransform, TransformsDecoder
 from contact_estimation.kinematics.transform_model import MovingFrames, TransformModel
 from contact_estimation.parameters import build, flatten
 from contact_estimation.pipeline.axes import Result
@@ -28,13 +29,11 @@ from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.encoding import encode_string
-from contact_estimation.recordings.plain_decoding import StampedTransform, TransformsDecoder
 from contact_estimation.recordings.source import RecordingSource
 import numpy as np
 import pytest
 from reference_messages import deserialized, JOINTS, STRING, TF, transforms_bytes, WRENCH
 from scipy.spatial.transform import Rotation
-from small_arm import MOVING, pose, urdf
 
 TYPES = {'/joint_states': JOINTS, '/wrench': WRENCH, '/tf': TF, '/tf_static': TF,
          '/estimator_node/events': STRING}

@@ -26,8 +26,8 @@ from contact_estimation.pipeline.events import (
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
-from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
 from contact_estimation.recordings.source import RECORD, RecordingSource, to_metadata
 from contact_estimation.signals.contact_sample import AxesSample, ContactSample
 from core_runs import contact_samples

@@ -10,7 +10,8 @@ from pathlib import Path
 import re
 from typing import Any, Sequence
 
-from arm_contact import CENTRE as TOOL_CENTRE, MASS as TOOL_MASS, PARAMETERS
+from arm_contact import (
+    CENTRE as TOOL_CENTRE, JOINTS as ARM_JOINTS, MASS as TOOL_MASS, PARAMETERS, pose, urdf)
 from contact_estimation.commands.calibrate_tool import main
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
@@ -24,8 +25,6 @@ from numpy.typing import NDArray
 import pytest
 from reference_messages import joint_state_bytes, JOINTS, WRENCH, wrench_bytes
 from scipy.spatial.transform import Rotation
-import small_arm
-from small_arm import pose, urdf
 import yaml
 
 pytest.importorskip('pinocchio')
@@ -42,18 +41,18 @@ def write(
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
     rng, order = np.random.default_rng(1), [2, 0, 1]
-    names = [small_arm.JOINTS[i] for i in order]
+    names = [ARM_JOINTS[i] for i in order]
     with RecordingWriter.file(path) as writer:
         for k in range(int(len(poses) * HOLD_S / PERIOD_S)):
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])
-            f = small_arm.pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
+            f = pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
             F, T = MASS * f + FORCE_BIAS, np.cross(CENTRE, MASS * f) + TORQUE_BIAS
             if number in contact:
                 F = F + [0.0, 0.0, -20.0]
             F, T = sign * (F + rng.normal(0, 0.1, 3)), sign * (T + rng.normal(0, 0.01, 3))
             if axes == 'base':
-                R = small_arm.pose(list(q), 'sensor')[:3, :3]
+                R = pose(list(q), 'sensor')[:3, :3]
                 F, T = R @ F, R @ T
             writer.write('/wrench', WRENCH, wrench_bytes(
                 F, T, stamp_ns=stamp, frame_id='sensor'), stamp)
@@ -63,7 +62,7 @@ def write(
 
 def calibrate(folder: Path, *more: str) -> int:
     """Run the command on the recording in a folder."""
-    (folder / 'arm.urdf').write_text(small_arm.urdf())
+    (folder / 'arm.urdf').write_text(urdf())
     return main([str(folder / 'run.mcap'), '--robot-description', str(folder / 'arm.urdf'),
                  '--output', str(folder / 'tool.yaml'), '--json', str(folder / 'tool.json'),
                  *more])

@@ -9,24 +9,13 @@ from functools import lru_cache
 from typing import Any
 
 from concealed_worlds import (
-    ATTACHED,
-    attached,
-    diagnosed,
-    FORCE_NOISE,
-    MODEL,
-    named,
-    nominal,
-    physics,
-    recorded,
-    softened,
-    with_unknown,
-)
+    ATTACHED, attached, diagnosed, FORCE_NOISE, MODEL, named, nominal, OUTSIDE_EFFECTS, physics,
+    recorded, softened, with_unknown)
 from contact_estimation.diagnosis.observe.model import names_of
 from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Need
 import numpy as np
-from outside_effects import OUTSIDE_EFFECTS
 import pytest
 
 pytestmark = pytest.mark.slow

@@ -20,8 +20,8 @@ from contact_estimation.parameters import specifications
 from contact_estimation.signals.contact_sample import ContactRecording
 from contact_estimation.studies.paper_cases import step_recording
 from contact_estimation.studies.testbed_arm import B_E, K_E
-from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
-from core_steps import known, learn
+from core_runs import (
+    closed_loop, contact_samples, estimates_of, known, learn, PAPER_SENSORS, pipeline_with)
 from filterpy.kalman import KalmanFilter
 import numpy as np
 from numpy.typing import NDArray

@@ -10,7 +10,7 @@ from math import degrees, inf, nan
 from types import SimpleNamespace
 from typing import Any, Mapping
 
-from arm_contact import instants, NORMAL, PARAMETERS
+from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, urdf
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.checks.check import Evidence, Forces
@@ -26,7 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
-from small_arm import JOINTS, urdf
 
 pytest.importorskip('pinocchio')
 

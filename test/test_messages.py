@@ -10,13 +10,12 @@ import math
 from typing import Any, Callable
 
 from contact_estimation.exceptions import MessageError
+from contact_estimation.recordings.decoding import (
+    decode_float64, decode_string, JointsDecoder, JointStateDecoder, TrajectoryDecoder,
+    WrenchDecoder)
 from contact_estimation.recordings.encoding import (
     encode_float64, encode_multi_array, encode_string, JointStateEncoder, TrajectoryEncoder,
     Vector3StampedEncoder, WrenchEncoder)
-from contact_estimation.recordings.joint_decoding import (
-    JointStateDecoder, SeveralJointsDecoder, TrajectoryDecoder)
-from contact_estimation.recordings.plain_decoding import (
-    decode_float64, decode_string, WrenchDecoder)
 import numpy as np
 import pytest
 from reference_messages import (
@@ -178,8 +177,8 @@ def flat(values: Any) -> list[Any]:
 
 @pytest.mark.parametrize('make, decoder', [
     (lambda k: wrench_bytes((k, 2 * k, 3 * k), stamp_ns=k, frame_id='tool'), WrenchDecoder()),
-    (lambda k: joint_state_bytes(['x'], [k], [2 * k], stamp_ns=k), SeveralJointsDecoder([''])),
-    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), SeveralJointsDecoder(['x'])),
+    (lambda k: joint_state_bytes(['x'], [k], [2 * k], stamp_ns=k), JointsDecoder([''])),
+    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), JointsDecoder(['x'])),
 ])
 def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     raws = [make(k * 10**8) for k in range(50)]

@@ -13,7 +13,7 @@ from typing import Callable, NamedTuple
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
+from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stream_faults import CONFIRMING

@@ -20,8 +20,7 @@ from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.pipeline.arm_outputs import step_along
 from contact_estimation.reference.parameters import PoseLimits
 from contact_estimation.signals.relations import TustinRelation
-from core_runs import contact_samples, estimates_of, pipeline_with
-from core_steps import FREE, known, learn, row_of
+from core_runs import contact_samples, estimates_of, FREE, known, learn, pipeline_with, row_of
 import numpy as np
 from numpy.typing import NDArray
 import pytest

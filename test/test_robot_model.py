@@ -10,7 +10,7 @@ from math import nan
 from pathlib import Path
 import sys
 
-from arm_contact import instants, K_E, LOCATION, messages, NORMAL, PARAMETERS
+from arm_contact import instants, JOINTS, K_E, LOCATION, messages, NORMAL, PARAMETERS, pose, urdf
 from contact_estimation.commands import replay
 from contact_estimation.diagnosis.observe.signals import read_recording
 from contact_estimation.exceptions import (
@@ -27,7 +27,6 @@ import numpy as np
 import pytest
 from reference_messages import JOINTS as RECORDED_JOINTS, STRING, WRENCH
 from scipy.spatial.transform import Rotation
-from small_arm import JOINTS, pose, urdf
 import yaml
 
 Q = (0.3, -0.4, 2.7)

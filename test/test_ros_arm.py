@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Iterator
 
-from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
+from arm_contact import B_E, instants, JOINTS, K_E, NORMAL, PARAMETERS, pose, urdf
 from contact_estimation.commands import replay
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
@@ -16,7 +16,7 @@ from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
+from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from effort_worlds import described, messages, parameters
 import numpy as np
 import pytest
@@ -24,7 +24,6 @@ from ros_listener import DEEP_QOS, Listener
 from ros_messages import JointState, String, to_stamp, Vector3Stamped, WrenchStamped
 from ros_peer import ESTIMATES, WINDOW
 from ros_processes import node_process
-from small_arm import JOINTS, pose, urdf
 
 pytest.importorskip('pinocchio')
 pytestmark = pytest.mark.slow

@@ -12,7 +12,7 @@ from typing import Any, Iterator
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.plain_decoding import decode_string, WrenchDecoder
+from contact_estimation.recordings.decoding import decode_string, WrenchDecoder
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy as Reliability
 from ros_listener import Listener

@@ -12,12 +12,11 @@ import subprocess
 import sys
 from typing import Any
 
-from arm_contact import B_E, instants, K_E
-from arm_transforms import OF_TF, static_bytes, transform
+from arm_contact import B_E, instants, K_E, MOVING, OF_TF, static_bytes, transform
 from contact_estimation.commands import replay
 from contact_estimation.pipeline.events import EstimationEvent
 from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.plain_decoding import Vector3StampedDecoder
+from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from contact_estimation.ros.topics import has_transforms, message_class
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes
@@ -26,7 +25,6 @@ from ros_messages import (
     DiagnosticArray, DiagnosticStatus, joint_state, String, Vector3Stamped, wrench, WrenchStamped)
 from ros_peer import ESTIMATES, Peer, WINDOW
 from ros_processes import node_process, wait_until
-from small_arm import MOVING
 
 NODE = 'estimator_node'
 NAMED = {name.replace('.', '__'): value for name, value in OF_TF.items()}

@@ -13,8 +13,7 @@ from contact_estimation.signals.conditioning import OutlierGate
 from contact_estimation.signals.contact_sample import ContactRecording, ContactSample
 from contact_estimation.signals.filters import ButterworthBank, smoothed_rate
 from contact_estimation.signals.relations import Relation, TustinRelation, VelocityRelation
-from core_runs import contact_samples, estimates_of, pipeline_with
-from core_steps import filtered, row_of
+from core_runs import contact_samples, estimates_of, filtered, pipeline_with, row_of
 import numpy as np
 from numpy.typing import NDArray
 import pytest

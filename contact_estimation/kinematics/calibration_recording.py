@@ -15,8 +15,7 @@ from .tool_calibration import CalibrationBlocks
 from .tool_load import Array, load_regressor, specific_force
 from ..exceptions import MessageError, RecordingError
 from ..recordings import RecordingReader
-from ..recordings.joint_decoding import JointStateDecoder
-from ..recordings.plain_decoding import ForceTorqueDecoder
+from ..recordings.decoding import ForceTorqueDecoder, JointStateDecoder
 from ..recordings.source import RecordingSource
 
 BLOCK_S = 0.1

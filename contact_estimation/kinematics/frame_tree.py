@@ -1,22 +1,82 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Poses of frames, and the tree of frames that tf describes."""
+"""Poses of frames, the messages of tf, and the tree of frames that they describe."""
 
 from __future__ import annotations
 
 from math import isfinite, sqrt
-from typing import Collection, Iterable, NamedTuple, Sequence
+from operator import itemgetter
+from typing import Any, Collection, Iterable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..recordings.plain_decoding import StampedTransform
+from ..recordings.cdr import CdrCursor, Layout, NS_PER_S, whole
 
 Pose = Sequence[float]
 """Origin x, y, z of a frame in its parent [m], unit quaternion x, y, z, w of its axes."""
 
 IDENTITY: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+TRANSFORMS_TYPE = 'tf2_msgs/msg/TFMessage'
+_MOST_LAYOUTS = 64  # every publisher of tf may send several selections of frames
+
+
+class StampedTransform(NamedTuple):
+    """Pose of a frame in its parent frame at one instant."""
+
+    stamp_ns: int  # header stamp [ns]
+    # parent, child: names of the frames, without leading slash
+    parent: str
+    child: str
+    # origin x, y, z of the child in the parent [m], quaternion x, y, z, w of its axes
+    pose: tuple[float, ...]
+
+
+class TransformsDecoder:
+    """Read tf2_msgs/msg/TFMessage."""
+
+    def __init__(self) -> None:
+        self._layouts: dict[int, list[_TransformsLayout]] = {}  # by size of the message
+
+    def decode(self, raw: bytes) -> list[StampedTransform]:
+        """Read one message."""
+        for layout in self._layouts.get(len(raw), ()):
+            transforms = layout.read(raw)
+            if transforms is not None:
+                return transforms
+        layout = whole(raw, TRANSFORMS_TYPE, _TransformsLayout)
+        if sum(map(len, self._layouts.values())) >= _MOST_LAYOUTS:
+            self._layouts.clear()
+        self._layouts.setdefault(len(raw), []).append(layout)
+        return layout.read(raw) or []
+
+
+class _TransformsLayout(Layout):
+    """Of transforms[]: header, child_frame_id, translation and rotation (x, y, z, w)."""
+
+    def __init__(self, cursor: CdrCursor) -> None:
+        found = []
+        for _ in range(cursor.length()):
+            stamp = cursor.skip(8, 4)
+            names = cursor.text().lstrip('/'), cursor.text().lstrip('/')
+            found.append((*names, [stamp, stamp + 4, *cursor.doubles(7)]))
+        super().__init__(cursor, [field for *_, places in found
+                                  for field in zip(places, 'iIddddddd')])
+        self._frames: list[tuple[str, str, Any]] = [
+            (parent, child, itemgetter(*(self._place[at] for at in places)))
+            for parent, child, places in found]
+
+    def read(self, raw: bytes) -> list[StampedTransform] | None:
+        """Read a message of the layout's size; None if the layout does not fit."""
+        values = self._unpack(raw)
+        if self._fixed(values) != self._expected:
+            return None
+        found = []
+        for parent, child, pick in self._frames:
+            sec, nanosec, *pose = pick(values)
+            found.append(StampedTransform(sec * NS_PER_S + nanosec, parent, child, tuple(pose)))
+        return found
 
 
 def rotated(pose: Pose, x: float, y: float, z: float) -> tuple[float, float, float]:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .frame_tree import (
-    FrameTree, IDENTITY, inverse, matrix_of, normalised, Pose, product, Step, usable)
+    FrameTree, IDENTITY, inverse, matrix_of, normalised, Pose, product, StampedTransform, Step,
+    usable)
 from ..exceptions import ModelFileError, UnknownNameError
-from ..recordings.plain_decoding import StampedTransform
 from ..signals.stream_faults import BEFORE_ANY
 
 Row = tuple[int, tuple[float, ...]]

@@ -19,7 +19,7 @@ from ..exceptions import MessageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.robot_model import RobotModel
 from ..recordings.cdr import header_stamp_ns
-from ..recordings.joint_decoding import decode_arm
+from ..recordings.decoding import decode_arm
 from ..signals.joint_merging import JointMerger
 
 

@@ -15,11 +15,11 @@ from .axes import Result
 from .events import EstimationEvent, event_now, READY, STATIC
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, MessageError
+from ..kinematics.frame_tree import StampedTransform, TransformsDecoder
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import MovingFrames, TransformModel
 from ..recordings.cdr import header_stamp_ns
-from ..recordings.joint_decoding import SomeJointsDecoder
-from ..recordings.plain_decoding import StampedTransform, TransformsDecoder
+from ..recordings.decoding import JointsDecoder
 from ..signals.joint_merging import JointMerger
 from ..signals.stream_faults import BEFORE_ANY
 
@@ -159,7 +159,7 @@ class ArmJoints(ArmStage):
 
     def __init__(self, session: ContactSession) -> None:
         super().__init__(session)
-        self._joints: SomeJointsDecoder | None = None
+        self._joints: JointsDecoder | None = None
         self._complete, self._incomplete = False, 0
 
     def process_motion(self, raw: bytes) -> list[Result]:
@@ -199,7 +199,7 @@ class ArmJoints(ArmStage):
             self._count_missing()
             return False
         assert isinstance(arm.model, RobotModel)
-        self._joints = SomeJointsDecoder(arm.model.joint_names)
+        self._joints = JointsDecoder(arm.model.joint_names, every=False)
         self._merger = JointMerger(arm.model.continuous)
         self._session.checks.limits = arm.model.limits
         return True

@@ -12,11 +12,10 @@ import numpy as np
 from ..exceptions import ParameterRangeError, UnknownNameError
 from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
 from ..kinematics.description import read_description
-from ..kinematics.frame_tree import FrameTree, matrix_of
+from ..kinematics.frame_tree import FrameTree, matrix_of, StampedTransform
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import TransformModel
-from ..recordings.plain_decoding import StampedTransform
 
 if TYPE_CHECKING:
     from .parameters import EstimationParameters

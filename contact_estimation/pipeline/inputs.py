@@ -20,8 +20,7 @@ from ..exceptions import MessageError
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..recordings import RecordedMessage
 from ..recordings.cdr import header_stamp_ns
-from ..recordings.joint_decoding import SeveralJointsDecoder
-from ..recordings.plain_decoding import ForceTorqueDecoder, WrenchDecoder
+from ..recordings.decoding import ForceTorqueDecoder, JointsDecoder, WrenchDecoder
 from ..signals.stream_faults import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 
@@ -138,7 +137,7 @@ class MessageInputs:
             return
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
-        self._joints = SeveralJointsDecoder(list(joints.values()))
+        self._joints = JointsDecoder(list(joints.values()))
         places = [_FORCES[axis] for axis in joints]
         self._columns = ['xyz'.index(axis) for axis in joints]
         self._sign, self._components = session.parameters.force_sign, itemgetter(0, 2, 3, 4)

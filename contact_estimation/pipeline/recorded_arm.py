@@ -22,14 +22,13 @@ from .parameters import EstimationParameters
 from .tracked_zero import tracked_zero
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
+from ..kinematics.frame_tree import StampedTransform, TransformsDecoder
 from ..kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.transform_model import MovingFrames, NUMBERS
 from ..parameters import specifications
 from ..recordings import RecordingReader
-from ..recordings.joint_decoding import SomeJointsDecoder
-from ..recordings.plain_decoding import (
-    decode_string, ForceTorqueDecoder, StampedTransform, TransformsDecoder)
+from ..recordings.decoding import decode_string, ForceTorqueDecoder, JointsDecoder
 from ..recordings.recorded_signals import (
     read_rows, read_signals, RecordedSignals, reference_rows, Row, Signal, tare_of)
 from ..recordings.source import canonical, from_metadata, RecordingSource
@@ -219,7 +218,8 @@ def _from_joints(
             return found and (found.stamp_ns, (*found.wrench, *found.motion))
 
         return Motions(arm, source.joint_states, decode_both, len(arm.model.joint_names))
-    joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
+    joints = JointsDecoder(arm.model.joint_names, every=False)
+    merger = JointMerger(arm.model.continuous)
 
     def decode(data: bytes) -> Row | None:
         return merger.add(*joints.decode(data))

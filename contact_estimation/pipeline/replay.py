@@ -26,8 +26,7 @@ from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..parameters import build
 from ..recordings import RecordedMessage, RecordingReader
-from ..recordings.joint_decoding import TrajectoryDecoder
-from ..recordings.plain_decoding import decode_string
+from ..recordings.decoding import decode_string, TrajectoryDecoder
 from ..recordings.recorded_signals import Tare, wrench_rate
 from ..recordings.source import canonical, RecordingSource
 from ..reference.setpoints import Reference

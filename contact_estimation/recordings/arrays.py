@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .cdr import CdrCursor
 from .columns import is_effort, is_key, KEYS
-from .joint_decoding import decode_arm, SeveralJointsDecoder, TrajectoryDecoder
-from .plain_decoding import ForceTorqueDecoder
+from .decoding import decode_arm, ForceTorqueDecoder, JointsDecoder, TrajectoryDecoder
 from .reading import RecordingReader
 from .recorded_signals import gather
 from .source import canonical, RecordingSource
@@ -206,7 +205,7 @@ def _joint_names(raw: bytes) -> list[str]:
 
 
 def _joint_rows(joints: Sequence[str]) -> Any:
-    decoder = SeveralJointsDecoder(joints if len(joints) > 1 else [''])
+    decoder = JointsDecoder(joints if len(joints) > 1 else [''])
 
     def decode(raw: bytes) -> tuple[int, tuple[float, ...]]:
         stamp_ns, positions, velocities = decoder.decode(raw)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from operator import itemgetter
 import struct
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Sequence, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,8 @@ _STAMP = ((4, 'i'), (8, 'I'))  # seconds and nanoseconds of the header, the firs
 _MOST_TRAILING_BYTES = 64
 _MOST_LAYOUTS = 16
 _NAN = float('nan')
+
+Content = TypeVar('Content')
 
 
 class CdrCursor:
@@ -91,28 +93,37 @@ class CdrCursor:
         self.fixed.append((begin, self._at))
 
 
-class StampedLayout:
+class Layout:
     """Places of the numbers in all messages that agree in size and fixed bytes."""
 
-    def __init__(self, cursor: CdrCursor, frame_id: str, offsets: Sequence[int | None]) -> None:
-        self.frame_id = frame_id
-        self._size, order = len(cursor.raw), cursor.byte_order
-        self._offsets = offsets
-        wanted = [(offset, 'd') for offset in {o for o in offsets if o is not None}]
+    def __init__(self, cursor: CdrCursor, wanted: Sequence[tuple[int, str]]) -> None:
+        self._size = len(cursor.raw)
         fixed = [(begin, f'{end - begin}s') for begin, end in cursor.fixed]
-        fields = sorted([*_STAMP, *wanted, *fixed])
-        self._unpack = struct.Struct(order + padded_format(fields, self._size)).unpack
+        fields = sorted([*wanted, *fixed])
+        text, at = cursor.byte_order, 0
+        for offset, code in fields:
+            text += f'{offset - at}x{code}'
+            at = offset + struct.calcsize('<' + code)
+        self._unpack = struct.Struct(f'{text}{self._size - at}x').unpack
         self._fixed = itemgetter(*(fields.index(field) for field in fixed))
         self._expected = self._fixed(self._unpack(cursor.raw))
-        place = {offset: number for number, (offset, _) in enumerate(fields)}
+        self._place = {offset: number for number, (offset, _) in enumerate(fields)}
+
+
+class StampedLayout(Layout):
+    """Of messages that begin with a header."""
+
+    def __init__(self, cursor: CdrCursor, frame_id: str, offsets: Sequence[int | None]) -> None:
+        wanted = [(offset, 'd') for offset in {o for o in offsets if o is not None}]
+        super().__init__(cursor, [*_STAMP, *wanted])
+        self._offsets = offsets
         # Frame and NaN are appended to what is unpacked, so that they cost no branch.
-        self._constants = (frame_id, _NAN)
-        stamp_and_frame = place[4], place[8], len(fields)
-        self._values = itemgetter(*stamp_and_frame, *(
-            len(fields) + 1 if offset is None else place[offset] for offset in offsets))
+        self._constants, end = (frame_id, _NAN), len(self._place)
+        self._values = itemgetter(self._place[4], self._place[8], end, *(
+            end + 1 if offset is None else self._place[offset] for offset in offsets))
         self._table = np.dtype({
             'names': ['sec', 'nanosec', *(str(offset) for offset, _ in wanted)],
-            'formats': [order + code for code in ('i4', 'u4', *['f8'] * len(wanted))],
+            'formats': [cursor.byte_order + code for code in ('i4', 'u4', *['f8'] * len(wanted))],
             'offsets': [4, 8, *(offset for offset, _ in wanted)], 'itemsize': self._size,
         })
         self._reference = np.frombuffer(cursor.raw, np.uint8)
@@ -202,6 +213,17 @@ def header_stamp_ns(raw: bytes) -> int | None:
     return int(sec * NS_PER_S + nanosec)
 
 
+def whole(raw: bytes, type_name: str, read: Callable[[CdrCursor], Content]) -> Content:
+    """Read a whole message, whose every byte is at its place."""
+    try:
+        cursor = CdrCursor(raw)
+        content = read(cursor)
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, type_name, error) from error
+    return content
+
+
 def malformed(raw: bytes, type_name: str, error: ValueError) -> MessageError:
     """Explain that bytes are not a message of a type."""
     return MessageError(
@@ -209,12 +231,3 @@ def malformed(raw: bytes, type_name: str, error: ValueError) -> MessageError:
         f'{len(raw)} bytes are not a {type_name}: {error}; '
         'check that publisher and subscriber use the same message definition',
     )
-
-
-def padded_format(fields: Sequence[tuple[int, str]], size: int) -> str:
-    """Write the struct format of fields at given offsets, with the bytes between them skipped."""
-    text, at = '', 0
-    for offset, code in fields:
-        text += f'{offset - at}x{code}'
-        at = offset + struct.calcsize('<' + code)
-    return f'{text}{size - at}x'

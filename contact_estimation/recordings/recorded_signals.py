@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cdr import header_stamp_ns
-from .joint_decoding import JointStateDecoder, TrajectoryDecoder
-from .plain_decoding import FORCE_OF_AXIS, WrenchDecoder
+from .decoding import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
 from .reading import RecordingReader
 from .source import canonical, RecordingSource
 from ..exceptions import MessageError, RecordingError

@@ -17,12 +17,12 @@ from .topics import has_transforms
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.description import turning_joint
+from ..kinematics.frame_tree import TRANSFORMS_TYPE
 from ..kinematics.transform_model import TransformModel
 from ..pipeline.arm_inputs import ArmStage
 from ..pipeline.arm_kinematics import NO_DESCRIPTION, NOT_INSTALLED
 from ..pipeline.events import DESCRIPTION, EstimationEvent, event_now
 from ..pipeline.session import ContactSession
-from ..recordings.plain_decoding import TRANSFORMS_TYPE
 
 REVOLUTE = 'revolute_joint'
 

@@ -34,7 +34,7 @@ from ..pipeline.events import (
 from ..pipeline.inputs import MessageInputs
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
-from ..recordings.joint_decoding import TrajectoryDecoder
+from ..recordings.decoding import TrajectoryDecoder
 from ..reference.setpoints import Desired
 from ..reference.stable_gains import OFF, STABILITY, StabilityWatch
 

@@ -19,8 +19,8 @@ from ..exceptions import RecordingError
 from ..pipeline.estimate_files import plot_contact
 from ..plant.plant_parameters import WallParameters
 from ..recordings import RecordingReader
-from ..recordings.joint_decoding import JointStateDecoder, TrajectoryDecoder
-from ..recordings.plain_decoding import decode_float64, Vector3StampedDecoder, WrenchDecoder
+from ..recordings.decoding import (
+    decode_float64, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder)
 from ..reference.experiment import Experiment
 
 

@@ -25,8 +25,8 @@ from ..parameters import build, changed, divided, ParameterSpecification, specif
 from ..plant.closed_loop import extrapolate, Sensors
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 from ..plant.world import World
+from ..recordings.decoding import TrajectoryDecoder
 from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
-from ..recordings.joint_decoding import TrajectoryDecoder
 from ..reference.experiments import experiment_named
 from ..reference.setpoints import Reference
 

@@ -19,11 +19,12 @@ from .parameters import declare
 from .running import run_node
 from .topics import has_transforms
 from ..exceptions import ContactEstimationError, ParameterRangeError
+from ..kinematics.frame_tree import TRANSFORMS_TYPE
 from ..parameters import build, parameter, ParameterGroup, specifications
 from ..pipeline.axes import MATRIX_TOPICS
 from ..pipeline.events import EstimationEvent, START
 from ..recordings import OfferedQos, RecordingWriter
-from ..recordings.plain_decoding import decode_string, TRANSFORMS_TYPE
+from ..recordings.decoding import decode_string
 from ..recordings.source import RECORD, to_metadata
 
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'

@@ -12,7 +12,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from ..recordings.plain_decoding import TRANSFORMS_TYPE
+from ..kinematics.frame_tree import TRANSFORMS_TYPE
 
 WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'

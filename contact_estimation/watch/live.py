@@ -16,10 +16,10 @@ from ..parameters import build, changed
 from ..pipeline.arm_kinematics import described_in_file, kinematics_of
 from ..pipeline.events import DESCRIPTION, EstimationEvent, START
 from ..pipeline.parameters import EstimationParameters
-from ..recordings.joint_decoding import JointStateDecoder, SomeJointsDecoder, TrajectoryDecoder
-from ..recordings.plain_decoding import (
+from ..recordings.decoding import (
     decode_diagnostics, decode_float64, decode_string, DIAGNOSTICS_TYPE, FORCE_OF_AXIS,
-    ForceTorqueDecoder, Vector3StampedDecoder, WrenchDecoder)
+    ForceTorqueDecoder, JointsDecoder, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder,
+    WrenchDecoder)
 from ..signals.joint_merging import JointMerger
 
 
@@ -139,7 +139,8 @@ class ArmReadings:
 
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
-        self._wrench, self._joints = ForceTorqueDecoder(), SomeJointsDecoder(model.joint_names)
+        self._wrench = ForceTorqueDecoder()
+        self._joints = JointsDecoder(model.joint_names, every=False)
         assert isinstance(model, RobotModel), 'poses from tf are refused by readings_of'
         self._merger = JointMerger(model.continuous)
         self._motion: tuple[float, ...] = ()

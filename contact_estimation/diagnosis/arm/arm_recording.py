@@ -21,8 +21,7 @@ from ...parameters import build
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters
 from ...recordings import RecordingReader
-from ...recordings.joint_decoding import ArmReading, decode_arm
-from ...recordings.plain_decoding import ForceTorqueDecoder
+from ...recordings.decoding import ArmReading, decode_arm, ForceTorqueDecoder
 from ...recordings.source import canonical, RecordingSource
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from ...parameters import build
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
-from ...recordings.plain_decoding import FORCE_OF_AXIS
+from ...recordings.decoding import FORCE_OF_AXIS
 from ...recordings.recorded_signals import RecordedSignals, Tare
 from ...recordings.source import RecordingSource
 from ...texts import printable
