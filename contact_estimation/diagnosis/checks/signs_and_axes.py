@@ -112,11 +112,14 @@ def axis(evidence: Evidence) -> Finding:
                           "the wrench's frame and unit and the nominal stiffness")
 
 
-_LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
+_LENGTHS: Mapping[str, float] = {
+    'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37,
+}
 """Units of length in a metre."""
 
 _FORCES: Mapping[str, float] = {
     'kN': 1e-3, 'kgf': 0.10197, 'lbf': 0.22481, 'grams of force': 101.97, 'mN': 1e3,
+    'uN': 1e6, 'nN': 1e9,
 }
 """Units of force in a newton."""
 
@@ -158,7 +161,7 @@ def force_unit(evidence: Evidence) -> Finding:
     if unit is None:
         return _of_magnitude(evidence, text)
     other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
-             'lbf': ' (or on another axis)'}.get(unit, '')
+             'lbf': ' (or on another axis)', 'mN': ' (or in nN, positions in um)'}.get(unit, '')
     return Finding(False, f'{text}, expected about 1: it seems to be in {unit}{other}; record '
                           'newtons')
 
