@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 # Of the speed of a motion: where dry friction fades at most, as 4e-4 of 0.027 m/s, and where a
 # width is sharper than any recording resolves, as one that is given in other units.
-_FADES, _UNRESOLVED = 0.015, 1e-4
+_FADES, _UNRESOLVED = 0.015, 1e-5
 
 
 def diagnose(

@@ -10,9 +10,8 @@ import numpy as np
 from .law import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
 
-TOLERANCE_S = 0.05
-"""Tolerance of measured positions at the end of the play: the way at the speed at which friction
-fades in that time [s], 0.02 mm by default."""
+TOLERANCE = 0.05
+"""Tolerance of measured positions at the end of the play, as a share of the way to it."""
 
 
 def played(steps: Array, half: float) -> Array:
@@ -60,8 +59,7 @@ class Backlash(ContactEffect):
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
         # Measured positions contain noise, which does not disengage the play.
-        least = half * (1.0 - 1e-9) if m is math else (
-            half - TOLERANCE_S * self.sign_velocity)
+        least = half * (1.0 - (1e-9 if m is math else TOLERANCE))
         return d - inside, v, abs(place) >= least
 
     def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
