@@ -125,7 +125,9 @@ _FORCES: Mapping[str, float] = {
 
 _LONG_TRAVEL = 0.5  # [m] from which on a thousandth of the force means millimetres, not kN
 _FEW, _PREFIX = log(3.0), log(1e3)  # what nominal models are wrong by; kilo or milli
-_TWICE = log(2.0)  # what friction, or a wrong gain, adds where another unit is near
+# What friction, or a wrong gain, adds where another unit is near. A twentieth of the force, of
+# another axis, is twice what inches or half of what kgf would leave.
+_ADDED = log(1.75)
 
 
 def length_unit(evidence: Evidence) -> Finding:
@@ -207,4 +209,4 @@ def _nearest(ratio: float, units: Mapping[str, float]) -> str | None:
     known = {'': 1.0, **units}  # the right unit, which is no mistake
     best = min(known, key=lambda name: abs(log(ratio / known[name])))
     half = 0.5 * min(abs(log(known[best] / known[name])) for name in known if name != best)
-    return best if best and abs(log(ratio / known[best])) < min(_FEW, max(_TWICE, half)) else None
+    return best if best and abs(log(ratio / known[best])) < min(_FEW, max(_ADDED, half)) else None
