@@ -247,18 +247,10 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            # Courses of a force between samples are alike: the models known so far are near.
-            other = (compare(view, progress, seen.models.parts) if other.view.changes
-                     else _continued(other, progress))
+            other = compare(view, progress, seen.models.parts)
             if _promises(other, seen):
                 seen = other
     return seen
-
-
-def _continued(seen: Seen, progress: Progress) -> Seen:
-    """Continue the search from models that are known."""
-    compared = search(seen.models, progress, seen.compared)
-    return _smoothed(seen._replace(compared=compared), progress)
 
 
 def _between(seen: Seen) -> Iterator[View]:
