@@ -33,7 +33,7 @@ class Space(Protocol):
         """Return the most promising models with one more effect."""
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Return models with another law of its family in the place of each law of a model."""
+        """Return models with a law of its family, or the likeliest, in the place of each law."""
 
     def to_the_end(self, one: Scored) -> Scored | None:
         """Fit a model to the end; None if its values are not possible."""

@@ -222,17 +222,21 @@ class ContactModels:
         return [each for each in finished if each is not None]
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Fit the other laws of its family in the place of each law of a model."""
+        """Put other laws in the place of each: those of its family, and of the likeliest one."""
         model, found = one.found.found.model, list[Scored | None]()
         recordings = self.weighed(model)
         for name in _laws(model):
             rest = model.without(name)
-            others = [other for other in candidates_in(recordings, rest) if other != name
-                      and EFFECTS[other].family == EFFECTS[name].family]
+            taken = one.named - {EFFECTS[name].family}
+            steps = self._screening.steps(rest, [
+                other for other in candidates_in(recordings, rest)
+                if EFFECTS[other].family not in taken])
+            alike = {EFFECTS[other].family for other in (name, next(iter(steps)))}
             present = fit_at(recordings, rest).cost
-            for steps in self._screening.steps(rest, others).values():
-                near = self._tried(recordings, present, steps).model
-                found.append(self._finished(near, _TO_THE_END))
+            found += [
+                self._finished(self._tried(recordings, present, near).model, _TO_THE_END)
+                for other, near in steps.items()
+                if other != name and EFFECTS[other].family in alike]
         return [each for each in found if each is not None]
 
     def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
