@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from functools import cached_property
-from typing import Callable, Sequence, TypeVar
+from typing import Callable, Mapping, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -207,12 +207,8 @@ class ContactModels:
         self._progress(f'{len(names)} effects')
         here, by_name = fit_at(recordings, present), self._screening.steps(present, names)
         part = 2 if one.named else 1
-        ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
-        first = _first_of(list(by_name), str, _TRIED // part)
-        tried = [self._tried(recordings, here.cost, by_name[name])
-                 for name in dict.fromkeys([*first, *ringing])]
-        rough = ranked([each for each in tried if is_credible(recordings, each.model)],
-                       lambda found: found.cost)
+        rough = ranked(self._credible(recordings, here.cost, by_name, _TRIED // part,
+                                      not one.named), lambda found: found.cost)
         longer = ranked([
             fit(recordings, each.model, _LONGER, known=each.residuals)
             for each in _first_of(rough, lambda each: each.name, _FOLLOWED // part)],
@@ -220,6 +216,21 @@ class ContactModels:
         finished = [self._finished(each.model, _LONGER)
                     for each in _first_of(longer, lambda each: each.name, _SCORED // part)]
         return [each for each in finished if each is not None]
+
+    def _credible(
+        self, recordings: Recordings, present: float, by_name: Mapping[str, Sequence[Step]],
+        count: int, ringing: bool,
+    ) -> list[Fit]:
+        """Fit the first effects briefly whose values are possible, and all that ring."""
+        found, seen = list[Fit](), Counter[str]()
+        for name, steps in by_name.items():
+            wanted = len(found) < count and seen[EFFECTS[name].family] < _OF_FAMILY
+            if wanted or ringing and EFFECTS[name].resonates:
+                tried = self._tried(recordings, present, steps)
+                if is_credible(recordings, tried.model):
+                    found.append(tried)
+                    seen[EFFECTS[name].family] += 1
+        return found
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Put other laws in the place of each: those of its family, and of the likeliest one."""
