@@ -33,7 +33,7 @@ class Space(Protocol):
         """Return the most promising models with one more effect."""
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Return models with another law of its family in the place of each law of a model."""
+        """Return models with a law of its family, or the likeliest, in the place of each law."""
 
     def to_the_end(self, one: Scored) -> Scored | None:
         """Fit a model to the end; None if its values are not possible."""
@@ -76,8 +76,12 @@ def search(
                 if not one.laws or evidence.score(rough) > best - _FAR:
                     _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
-    for sibling in space.siblings(evidence.ranked(pool.values())[0]):
-        _keep(evidence, pool, sibling)
+    ranked = evidence.ranked(pool.values())
+    # An inexact law may not be worth its prior where an exact one of its family is.
+    lawful = next((one for one in ranked if one.laws), ranked[0])
+    if evidence.score(lawful) > evidence.score(ranked[0]) - _FAR:
+        for sibling in space.siblings(lawful):
+            _keep(evidence, pool, sibling)
     return Compared(evidence, evidence.ranked(pool.values()))
 
 
