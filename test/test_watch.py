@@ -18,12 +18,11 @@ from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.mcap_file import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.watch import view as watch_view
-from contact_estimation.watch.layouts import PLOTS
 from contact_estimation.watch.live import ContactLog, STATUS
 import pytest
 from run_commands import Command
 
-CURVES = {f'{plot.key}/{curve.key}' for plot in PLOTS for curve in plot.curves}
+CURVES = {f'{plot}/{curve}' for plot, (_, curves) in watch_view.PLOTS.items() for curve in curves}
 SHORT = """
 start: -0.01
 segments:

@@ -154,14 +154,6 @@ class Record(NamedTuple):
     truth: Mapping[str, Any] | None  # content of the truth file
 
 
-class _Outcome(NamedTuple):
-    """The report (None after a failure), the error message and the processor time [s]."""
-
-    report: Mapping[str, Any] | None
-    error: str
-    cpu_s: float
-
-
 def make_parser() -> Parser:
     """Build the command line of the benchmark."""
     parser = Parser(
@@ -235,36 +227,26 @@ def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
 
 
 def diagnosed(record: Record) -> Row:
-    """Diagnose a record and compare with its truth."""
+    """Diagnose in a process of its own, which is not given the truth, and compare with it."""
     with TemporaryDirectory() as folder:
-        outcome = _diagnose(record, Path(folder))
-    truth = record.truth or {}
-    report = outcome.report or {}
-    force = report.get('fit', {}).get('force_rmse_n', {})
-    std = 1.0 if outcome.report is None else _force_std(record.holdout or record.recording)
-    relative = [None if force.get(name) is None else force[name] / std
-                for name in ('recalibrated', 'corrected')]
+        output = Path(folder) / 'report.json'
+        holdout = [] if record.holdout is None else ['--holdout', str(record.holdout)]
+        done = finished([*diagnose_command(record.recording, record.nominal, output), *holdout])
+        report = None if done.error else json.loads(output.read_text())
+    truth, found = record.truth or {}, report or {}
+    force = found.get('fit', {}).get('force_rmse_n', {})
+    std = 1.0 if report is None else _force_std(record.holdout or record.recording)
+    recalibrated, corrected = (None if force.get(name) is None else force[name] / std
+                               for name in ('recalibrated', 'corrected'))
     return Row(
-        name=record.name, source=str(truth.get('source') or truth.get('source_repo') or ''),
-        verdict=str(report.get('verdict', '')), effects=report.get('effects', []),
-        outcome=class_of(truth, outcome.report) if record.truth is not None else '',
-        recalibrated=relative[0], corrected=relative[1], error=outcome.error,
-        cpu_s=outcome.cpu_s)
+        record.name, str(truth.get('source') or truth.get('source_repo') or ''),
+        str(found.get('verdict', '')), found.get('effects', []),
+        class_of(truth, report) if record.truth is not None else '',
+        recalibrated, corrected, done.error, done.cpu_s)
 
 
 def _force_std(path: Path) -> float:
     return float(np.nanstd(read_recording(path).signals.force))
-
-
-def _diagnose(record: Record, folder: Path) -> _Outcome:
-    """Diagnose in a process of its own, which is not given the truth."""
-    output = folder / 'report.json'
-    arguments = diagnose_command(record.recording, record.nominal, output)
-    if record.holdout is not None:
-        arguments += ['--holdout', str(record.holdout)]
-    cost = finished(arguments)
-    report = None if cost.error else json.loads(output.read_text())
-    return _Outcome(report, cost.error, cost.cpu_s)
 
 
 main = command(make_parser, run)

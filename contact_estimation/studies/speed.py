@@ -9,7 +9,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 import gc
 import io
-from math import ceil, pi
+from math import pi
 import os
 from pathlib import Path
 import platform
@@ -43,6 +43,7 @@ from ..texts import markdown_table
 RATE = 500.0
 _TOPICS = 'wrench', 'joint_states'
 _CONTACT_S, _SETTLED_S = 12.0, 8.6  # of the estimators; of it, two seconds into the hold
+_MANOEUVRES, _ROUNDS = 30, 3  # of a simulated recording, 6 min; of replay
 _BLOCK = 250  # samples; short, so that all candidates see the same load of the machine
 _VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
 _FILTERPY = 'filterpy KalmanFilter'
@@ -168,10 +169,10 @@ def estimator_benchmark(options: Any) -> list[dict[str, Any]]:
                     'update/filterpy': 1.0}]
 
 
-def write_long_recording(path: Path, hours: float) -> None:
+def write_long_recording(path: Path) -> None:
     """Write the manoeuvre with a sine, again and again: a third of the time in contact."""
     sine = experiment_named('sine')  # it ends at rest at its start position
-    often = Experiment('often', sine.start, sine.segments * ceil(3600.0 * hours / sine.duration))
+    often = Experiment('often', sine.start, sine.segments * _MANOEUVRES)
     simulation = simulate_experiment(build(PlantParameters, PAPER_NOISE), often)
     write_simulation(path, simulation, 'x', 'contact_x', 'contact_frame')
 
@@ -204,12 +205,12 @@ def replay_benchmark(options: Any) -> list[dict[str, Any]]:
     with TemporaryDirectory() as folder:
         path = Path(options.recording or Path(folder) / 'recording.mcap')
         if not options.recording:
-            write_long_recording(path, options.hours)
+            write_long_recording(path)
         tasks: dict[str, Callable[[Path], None]] = {
             'rosbags deserialise': _deserialised, 'RecordingReader': _read,
             **{f'replay {name}': partial(_replayed, name) for name in _REPLAYED}}
         spent: dict[str, list[float]] = {name: [] for name in tasks}
-        for _ in range(options.rounds or 3):
+        for _ in range(_ROUNDS):
             for name, task in tasks.items():
                 start = time.process_time()
                 task(path)
@@ -224,7 +225,7 @@ def node_benchmark(options: Any) -> list[dict[str, Any]]:
     """Compare the node with one that only echoes; imported here, as it needs ROS."""
     from .speed_nodes import compared_nodes
 
-    return compared_nodes(options.seconds, options.rounds or 2, options.estimator)
+    return compared_nodes(options.estimator)
 
 
 BENCHMARKS: Mapping[str, Callable[[Any], list[dict[str, Any]]]] = {
@@ -243,15 +244,10 @@ def make_parser() -> Parser:
     parser.add_argument('which', nargs='*', metavar='BENCHMARK',
                         help=f'any of {", ".join(BENCHMARKS)} (all)')
     parser.add_argument('--json', metavar='FILE', help='write all results as JSON')
-    parser.add_argument('--rounds', type=int, help='repetitions (node 2, replay 3)')
-    parser.add_argument('--seconds', type=float, default=15.0,
-                        help='duration of each run of the node [s] (15)')
     parser.add_argument('--estimator', choices=ONLINE_ESTIMATORS, default=MULTIPLE_MODEL,
                         help=f'estimator of the node ({MULTIPLE_MODEL})')
     parser.add_argument('--recording', metavar='RECORDING',
                         help='replay this, with wrench and joint_states (a simulated one)')
-    parser.add_argument('--hours', type=float, default=0.1,
-                        help='duration of the simulated recording [h] (0.1)')
     return parser
 
 
@@ -261,10 +257,6 @@ def run(options: Any) -> int:
         if name not in BENCHMARKS:
             raise ParameterRangeError(
                 f'BENCHMARK must be among {", ".join(BENCHMARKS)}, got {name!r}')
-    for name in ('rounds', 'seconds', 'hours'):
-        value = getattr(options, name)
-        if value is not None and not 0 < value < 1e6:
-            raise ParameterRangeError(f'--{name} must be > 0, got {value:g}')
     check_outputs([options.json], {})
     results: dict[str, Any] = {'machine': {
         'processors': os.cpu_count(), 'python': platform.python_version(),

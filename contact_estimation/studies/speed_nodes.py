@@ -35,6 +35,7 @@ from ..ros import topics
 from ..ros.loop_processes import end_process
 
 _RATES = (500.0, 1000.0)
+_RUN_S, _ROUNDS = 15.0, 2
 _MODULES = {'echo': 'contact_estimation.studies.speed_nodes',
             'estimator': 'contact_estimation.ros.estimator_node'}
 _SAMPLING_S, _TIMEOUT_S, _END_TIMEOUT_S = 0.05, 60.0, 5.0
@@ -72,12 +73,12 @@ class EchoNode(Node):
         self._reference.publish(answer)
 
 
-def compared_nodes(seconds: float, rounds: int, estimator: str) -> list[dict[str, Any]]:
+def compared_nodes(estimator: str) -> list[dict[str, Any]]:
     """Alternate echo and estimator: ratios of the same round, medians over the rounds."""
     table = []
     for rate in _RATES:
-        runs = [[_run_once(node, rate, seconds, estimator) for node in _MODULES]
-                for _ in range(rounds)]
+        runs = [[_run_once(node, rate, estimator) for node in _MODULES]
+                for _ in range(_ROUNDS)]
         row: dict[str, Any] = {'rate [Hz]': rate}
         for name in ('CPU [%]', 'p50 [ms]', 'p99 [ms]'):
             row[name] = median(own[name] for _, own in runs)
@@ -90,17 +91,17 @@ def compared_nodes(seconds: float, rounds: int, estimator: str) -> list[dict[str
     return table
 
 
-def _run_once(node: str, rate: float, seconds: float, estimator: str) -> dict[str, float]:
+def _run_once(node: str, rate: float, estimator: str) -> dict[str, float]:
     """Run the plant with a node; measure CPU load and latency while samples are sent."""
     with TemporaryDirectory() as folder:
         summary = Path(folder) / 'plant.json'
         own = [f'estimator:={estimator}'] if node == 'estimator' else []
         tested = _started(_MODULES[node], f'sample_rate:={rate:.1f}', *own)
         plant = _started('contact_estimation.ros.plant_node', f'sample_rate:={rate:.1f}',
-                         f'duration:={seconds:.3f}', 'repeat:=true', 'subscribers:=1',
+                         f'duration:={_RUN_S:.3f}', 'repeat:=true', 'subscribers:=1',
                          f'summary_file:={summary}')
         try:
-            used = _watched(node, tested, plant, time.monotonic() + seconds + _TIMEOUT_S)
+            used = _watched(node, tested, plant, time.monotonic() + _RUN_S + _TIMEOUT_S)
         finally:
             end_process(plant, _END_TIMEOUT_S)
             end_process(tested, _END_TIMEOUT_S)

@@ -1,4 +1,4 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""One view of a contact: live beside any estimator, of a recording, and as layouts of viewers."""
+"""One view of a contact: live beside any estimator, or of a recording."""

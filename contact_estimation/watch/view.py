@@ -13,16 +13,37 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
-from .layouts import Plot, PLOTS
 from .live import CHECKS, ContactLog, LiveContact, STATUS
 from ..estimators.estimate import Estimate
 from ..exceptions import MissingPackageError
+from ..figures import BLUE, MUTED, ORANGE
 from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.mcap_file import GrowingRecording
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.source import RecordingSource
+
+
+_BAND = '#8cc8e0'  # bounds of an estimate, on a light and on a dark ground
+
+
+def _estimate(symbol: str) -> dict[str, tuple[str, str, float]]:
+    return {'upper': (f'{symbol} + 2 std', _BAND, 0.8), 'lower': (f'{symbol} - 2 std', _BAND, 0.8),
+            'estimate': (symbol, BLUE, 1.8)}
+
+
+PLOTS: dict[str, tuple[str, dict[str, tuple[str, str, float]]]] = {
+    'force': ('pressing force [N]', {
+        'measured': ('-F_e measured', MUTED, 1.0), 'desired': ('F_r desired', ORANGE, 1.5)}),
+    'motion': ('position [mm]', {
+        'desired': ('x_d desired', _BAND, 2.5), 'reference': ('x_r reference', ORANGE, 1.5),
+        'measured': ('x measured', MUTED, 1.5)}),
+    'stiffness': ('stiffness [N/m]', _estimate('K_e')),
+    'damping': ('damping [N s/m]', _estimate('B_e')),
+    'model_fit': ('residual [std of the noise]', {'ratio': ('model fit', BLUE, 1.5)}),
+}
+"""From top to bottom: title, and label, colour and width of each curve, the lowest first."""
 
 
 def require_rerun() -> Any:
@@ -57,11 +78,11 @@ class ContactView:
 
     def style(self) -> None:
         """Send names, colours and widths of all curves; once, when the stream has a sink."""
-        for plot in PLOTS:
-            for curve in plot.curves:
-                colour = [int(curve.colour[place:place + 2], 16) for place in (1, 3, 5)]
-                self.stream.log(f'{plot.key}/{curve.key}', self._rr.SeriesLines(
-                    names=curve.label, colors=colour, widths=curve.width), static=True)
+        for plot, (_, curves) in PLOTS.items():
+            for curve, (label, colour, width) in curves.items():
+                rgb = [int(colour[place:place + 2], 16) for place in (1, 3, 5)]
+                self.stream.log(f'{plot}/{curve}', self._rr.SeriesLines(
+                    names=label, colors=rgb, widths=width), static=True)
 
     def flush(self) -> None:
         """Send what has been logged since the last call."""
@@ -95,7 +116,7 @@ def blueprint(follow_s: float | None = None) -> Any:
             *plots,
             rrb.Horizontal(_text_view(rrb, STATUS, 'status of the estimator'),
                            _text_view(rrb, CHECKS, 'checks'), column_shares=[1.0, 2.0]),
-            row_shares=[*(_SHARES.get(plot.key, 1.0) for plot in PLOTS), 1.0],
+            row_shares=[*(_SHARES.get(plot, 1.0) for plot in PLOTS), 1.0],
         ),
         rrb.BlueprintPanel(state='collapsed'),
         rrb.SelectionPanel(state='collapsed'),
@@ -104,14 +125,14 @@ def blueprint(follow_s: float | None = None) -> Any:
     )
 
 
-def _plot_view(rrb: Any, plot: Plot, follow_s: float | None) -> Any:
+def _plot_view(rrb: Any, plot: str, follow_s: float | None) -> Any:
     options: dict[str, Any] = {}
     if follow_s is not None:
         options['time_ranges'] = rrb.VisibleTimeRange(
             TIMELINE, start=rrb.TimeRangeBoundary.cursor_relative(seconds=-follow_s),
             end=rrb.TimeRangeBoundary.cursor_relative())
     return rrb.TimeSeriesView(
-        origin=f'/{plot.key}', name=plot.title, plot_legend=rrb.Corner2D.LeftTop, **options)
+        origin=f'/{plot}', name=PLOTS[plot][0], plot_legend=rrb.Corner2D.LeftTop, **options)
 
 
 def _text_view(rrb: Any, origin: str, name: str) -> Any:
