@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The node on an arm with revolute joints, over DDS, with a force sensor or joint efforts."""
+"""The node on an arm with revolute joints, over DDS."""
 
 from __future__ import annotations
 
@@ -10,17 +10,12 @@ from typing import Any, Iterator
 
 from arm_contact import B_E, instants, JOINTS, K_E, NORMAL, PARAMETERS, pose, urdf
 from contact_estimation.commands import replay
-from contact_estimation.parameters import build
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
-from contact_estimation.pipeline.inputs import MessageInputs
-from contact_estimation.pipeline.parameters import EstimationParameters
-from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.decoding import Vector3StampedDecoder
-from effort_worlds import described, messages, parameters
 import numpy as np
 import pytest
-from ros_listener import DEEP_QOS, Listener
+from ros_listener import Listener
 from ros_messages import JointState, String, to_stamp, Vector3Stamped, WrenchStamped
 from ros_peer import ESTIMATES, WINDOW
 from ros_processes import node_process
@@ -166,31 +161,3 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
     first = min(published)  # the node may know the peer's wrenches before the peer hears it
     assert {stamp: x for stamp, x in again.items() if stamp >= first} == published
-
-
-def test_node_estimates_from_joint_states_alone(tmp_path: Path) -> None:
-    rows = messages()[:2000]
-    session = ContactSession(build(EstimationParameters, parameters()))
-    session.describe(described())
-    inputs = MessageInputs(session)
-    last = [one for _, raw in rows for one in inputs.process_motion(raw)][-1]
-    (tmp_path / 'arm.urdf').write_text(described())
-    given = parameters(robot_description_file=str(tmp_path / 'arm.urdf'))
-    named = {name.replace('.', '__'): value for name, value in given.items()}
-    with node_process(tmp_path, NODE, **named):
-        peer = Listener()
-        try:
-            joints = peer.node.create_publisher(JointState, 'joint_states', DEEP_QOS)
-            peer.listen('stiffness', Vector3Stamped, f'{NODE}/stiffness')
-            peer.spin_until(lambda: joints.get_subscription_count() > 0, 'the node')
-            peer.spin_until(lambda: peer.node.count_publishers(f'/{NODE}/stiffness'), 'its topics')
-            for first in range(0, len(rows), WINDOW):
-                for stamp_ns, raw in rows[first:first + WINDOW]:
-                    joints.publish(raw)
-                peer.spin_until(lambda: max(peer.heard['stiffness'], default=0) >
-                                stamp_ns - 20_000_000, f'the answer to {stamp_ns}')
-            heard = peer.heard['stiffness'][last.sample.stamp_ns]
-            assert heard.vector.x == last.estimate.stiffness
-            assert heard.header.frame_id == 'link_6'
-        finally:
-            peer.close()

@@ -1,24 +1,20 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The estimator node with one axis and several."""
+"""What the running node publishes for what it gets."""
 
 from __future__ import annotations
 
 from math import isnan
-from typing import Any, Iterator
+from typing import Iterator
 
-from axes_runs import (
-    feed_axes, Instant, instants, JOINTS, moved_instants, PARAMETERS, session_of_axes)
 from contact_estimation.estimators.multiple_model import LAWS
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stream_faults import CONFIRMING
 from core_runs import contact_samples
 import pytest
-from ros_messages import (
-    Float64, FRAME, JointState, moved, session_results, to_stamp, WrenchStamped)
+from ros_messages import Float64, moved, session_results
 from ros_peer import ESTIMATES, estimator_and_peer, Peer, PERIOD_NS
-from ros_processes import node_process
 
 pytestmark = pytest.mark.slow
 
@@ -132,72 +128,3 @@ def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:
     answer = peer.trigger('tare')
     assert not answer.success
     assert answer.message.startswith('in contact')
-
-
-SAMPLES = instants(0.5)
-NAMED = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
-
-
-class AxesPeer(Peer):
-    """A robot with a joint an axis, and one that is none of them."""
-
-    def send(self, sample: Any) -> None:
-        """Publish an instant, or free flight with which node and peer get to know each other."""
-        if not isinstance(sample, Instant):
-            sample = Instant(sample.stamp_ns, (-0.01, 0.24, -0.51), (0.0,) * 3, (0.0,) * 3)
-        joints = JointState(name=['elbow', *JOINTS.values()], position=[9.0, *sample.positions],
-                            velocity=[9.0, *sample.velocities])
-        wrench = WrenchStamped()
-        wrench.header.frame_id = FRAME
-        joints.header.stamp = wrench.header.stamp = to_stamp(sample.stamp_ns)
-        force = wrench.wrench.force
-        force.x, force.y, force.z = sample.forces
-        self.joints.publish(joints)
-        self.wrenches.publish(wrench)
-
-    def vectors(self, name: str) -> dict[int, tuple[float, float, float]]:
-        """Return published vectors by their stamps."""
-        heard = self.heard[name].items()
-        return {stamp: (m.vector.x, m.vector.y, m.vector.z) for stamp, m in heard}
-
-
-@pytest.fixture(scope='module')
-def shared_axes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AxesPeer]:
-    with node_process(tmp_path_factory.mktemp('axes'), 'estimator_node', diagnostics_rate=10.0,
-                      **NAMED):
-        axes_peer = AxesPeer()
-        try:
-            axes_peer.meet()
-            yield axes_peer
-        finally:
-            axes_peer.close()
-
-
-@pytest.fixture
-def axes_peer(shared_axes: AxesPeer) -> AxesPeer:
-    shared_axes.start_afresh()
-    return shared_axes
-
-
-def test_published_vectors_are_those_of_the_session_bit_for_bit(axes_peer: AxesPeer) -> None:
-    samples: Any = moved_instants(SAMPLES, axes_peer.begin_ns)
-    axes_peer.feed(samples)
-    results = feed_axes(session_of_axes(), samples)
-    for name in ESTIMATES:
-        assert axes_peer.vectors(name) == {
-            r.sample.stamp_ns: tuple(getattr(e, name) for e in r.estimates) for r in results}
-
-
-def test_status_and_diagnostics_tell_of_every_axis(axes_peer: AxesPeer) -> None:
-    samples: Any = moved_instants(SAMPLES, axes_peer.begin_ns)
-    axes_peer.change(estimator='kalman')
-    axes_peer.feed(samples)
-    axes_peer.start_afresh()  # the status comes on change: that of the start was before the peer
-    samples = moved_instants(SAMPLES, axes_peer.begin_ns)
-    axes_peer.feed(samples)
-    assert axes_peer.statuses()[0].startswith('free: y free, z free')
-    assert axes_peer.statuses()[-1] == 'estimating: y estimating, z estimating'
-    figures, (_, y, z) = axes_peer.figures(), axes_peer.vectors('stiffness')[samples[-1].stamp_ns]
-    assert float(figures['y_stiffness']) == pytest.approx(y, rel=1e-6)
-    assert float(figures['z_stiffness']) == pytest.approx(z, rel=1e-6)
-    assert figures['z_contact'] == 'True'
