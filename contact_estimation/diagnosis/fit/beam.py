@@ -11,7 +11,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 import numpy as np
 
 from .constants import Constants
-from .evidence import Evidence, Scored
+from .evidence import Evidence, ranked_by, Scored
 
 
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
@@ -76,12 +76,13 @@ def search(
                 if not one.laws or evidence.score(rough) > best - _FAR:
                     _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
-    ranked = evidence.ranked(pool.values())
-    # An inexact law may not be worth its prior where an exact one of its family is.
-    lawful = next((one for one in ranked if one.laws), ranked[0])
-    if evidence.score(lawful) > evidence.score(ranked[0]) - _FAR:
-        for sibling in space.siblings(lawful):
-            _keep(evidence, pool, sibling)
+    first = evidence.ranked(pool.values())[0]
+    lawful = [one for one in pool.values() if one.laws]
+    if lawful and not first.laws and not evidence.is_exact(first):
+        # An inexact law may not be worth its prior where an exact one beside it is.
+        first = ranked_by(lawful, lambda one: -evidence.log_likelihoods(one)[0].sum())[0]
+    for sibling in space.siblings(first):
+        _keep(evidence, pool, sibling)
     return Compared(evidence, evidence.ranked(pool.values()))
 
 

@@ -27,7 +27,7 @@ from .screening import measure_scales, Screening, Step
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ..observe.shares import MUCH, SLIGHT
+from ..observe.shares import MOST, MUCH, SLIGHT
 from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
 
@@ -287,6 +287,9 @@ class ContactModels:
     def _finished(self, model: Model, steps: int) -> Scored | None:
         recordings = self.weighed(model)
         found = fit(recordings, model, steps)
+        if found.cost < MOST * len(found.residuals):  # weighed by a discrepancy of long ago
+            recordings = self.weighed(found.model)
+            found = fit(recordings, found.model, steps)
         return self._scored(recordings, found) if is_credible(recordings, found.model) else None
 
     def without(self, one: Scored, names: Sequence[str]) -> Scored:
