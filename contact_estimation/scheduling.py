@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from importlib import metadata
 import logging
 import os
-from resource import getrusage, RUSAGE_CHILDREN
 import subprocess
 import time
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol, Sequence
@@ -112,6 +111,8 @@ class Finished(NamedTuple):
 
 def finished(command: Sequence[str], timeout_s: float | None = None) -> Finished:
     """Run a process to its end; no other child of this process may end meanwhile."""
+    from resource import getrusage, RUSAGE_CHILDREN  # of POSIX; only studies come here
+
     begin, before = time.monotonic(), getrusage(RUSAGE_CHILDREN)
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s,
