@@ -79,12 +79,12 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--units', default='', metavar='UNIT,...',
-        help='units of these columns, such as mm,N,ms (default: from their names, else SI)',
+        help='units of the columns whose names hold none, such as mm,N,ms (default: SI)',
     )
     parser.add_argument(
         '--stamps', choices=STAMPS, default='header',
         help='take the time of a message from its header, or from its reception by the recorder '
-        'if headers have no stamps or those of another clock (header)',
+        'if headers have no stamps or those of another clock (default: header)',
     )
     parser.add_argument(
         '--wrench-field', default='', metavar='FIELD',
