@@ -29,7 +29,7 @@ _LATE = 3.0  # of timing_std, as for the check of the axes
 _EXACT = 1e-5  # relative error of the forces from smoothing and its derivatives
 _FITTED = 10.0  # unknowns for each force
 _SEEN = 0.5  # share of noise in a direction of the columns above which it shows nothing
-_STEPS = 3  # Gauss-Newton: a fourth changes no figure of `studies matrix`
+_STEPS = 3  # Gauss-Newton: a fourth changes no figure of `studies online --only matrix`
 _MISFIT = 4.0  # variance of the residual relative to the noise, as for `~/model_fit`
 
 

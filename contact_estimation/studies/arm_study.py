@@ -232,7 +232,7 @@ def make_parser() -> Parser:
     parser.add_argument('--seeds', type=int, default=5,
                         help='diagnoses of each concealed effect on each arm (5)')
     parser.add_argument('--concealed', type=int, default=0, metavar='N',
-                        help='in place of all that, N worlds on a planar arm, panda and ur5, in '
+                        help='instead, diagnose N worlds on a planar arm, panda and ur5, in '
                         'which a law of a joint, a link or a sensor of torque is concealed from '
                         'diagnose --nominal-robot (0); an interrupted study resumes')
     parser.add_argument('--seed', type=int, default=0, help='of --concealed (0)')
