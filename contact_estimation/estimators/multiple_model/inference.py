@@ -83,6 +83,7 @@ class WallInference:
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
         self._touched: Touch | None = None
+        self._outward = 0  # blocks in a row in which the tool moves out of the wall
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._replaced: Replaced | None = None
         self._excited_at, self._excitation = -1, (inf, inf)
@@ -241,12 +242,19 @@ class WallInference:
         return self._replaced is not None and x < self._replaced.surface and (
             off > 2.0 * SHIFT * sqrt(self._contact.variance))
 
+    def leave(self) -> Iterator[None]:
+        """End a contact: weigh its last data, and forget a change that only a release showed."""
+        yield from self.weigh_rest()
+        if self._replaced is not None and (
+                self._outward > self.rhythm.blocks - self._replaced.blocks):
+            yield from self.put_back()
+
     def put_back(self) -> Iterator[None]:
         """Put the wall before a change back: it is not known when the zero has stepped."""
         if self._replaced is None:  # forgotten since
             return
         (self._gram, self._odds, self._surfaces, self._scale, self._seconds, self._depth,
-         _) = self._replaced
+         *_) = self._replaced
         self._replaced, self._top = None, None
         self._runs.clear()
         self._moving.restart(self._gram, float(self._odds[:MOVING].max()))
@@ -279,6 +287,7 @@ class WallInference:
                 self._runs.begin(self._touched)
             self._touched = None
         self.rhythm.add(seconds)
+        self._outward = self._outward + 1 if float(phi[RATE].mean()) < 0.0 else 0
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
         off = depth - self._depth
@@ -363,7 +372,7 @@ class WallInference:
         if self._replaced is None:
             self._replaced = Replaced(
                 self._gram - gram, self._odds, self._surfaces, self._scale, self._seconds,
-                self._depth, centre - OUTSIDE * std)
+                self._depth, centre - OUTSIDE * std, self.rhythm.blocks)
         if change.shifted[best]:
             rest = (self._gram - gram)[None]
             gram = shifted(gram + rest, rest, force_step(

@@ -246,7 +246,7 @@ class WallPosterior:
         if lasted <= _TAP_S + 0.5 * blocks.period_s:
             count = 3 * blocks.smoothing.half + round(lasted / blocks.period_s)
             work = chain(work, self.wall.learn_tap(blocks.last(count)))
-        self._begin_work(chain(work, self.wall.weigh_rest()))
+        self._begin_work(chain(work, self.wall.leave()))
         blocks.wanted = blocks.settled
 
     def _continue_work(self, to_end: bool = False) -> None:

@@ -63,6 +63,7 @@ class Replaced(NamedTuple):
     seconds: float
     depth: float
     surface: float  # outside of which the tool is free [m]
+    blocks: int  # so far
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
