@@ -272,3 +272,10 @@ def test_a_force_that_no_unit_explains_is_another_signal() -> None:
     (found,) = failed(stroke(1e-3, back=True)._replace(
         force=5e-9 * stroke(1e-3, back=True).force), SPECIMEN)
     assert found.name == 'force_unit' and 'belong together' in found.text
+
+
+@pytest.mark.parametrize('friction', [0.0, 2.0], ids=['alone', 'with friction'])
+def test_a_force_between_two_units_has_the_nearer_one(friction: float) -> None:
+    world = recorded(**physics('coulomb_friction', friction)) if friction else recorded()
+    found = check(Recording('', forced(0.36)(world)), nominal())[0]
+    assert [one.name for one in found if one.fatal] == ['force_unit']

@@ -25,6 +25,7 @@ from contact_estimation.diagnosis.observe.model import names_of
 from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Need
+from contact_estimation.physics.numeric import SIGN_VELOCITY
 import numpy as np
 from outside_effects import OUTSIDE_EFFECTS
 import pytest
@@ -156,16 +157,40 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
-def test_a_world_of_nanonewtons_and_micrometres_gets_the_same_name_and_values() -> None:
-    length, force = 1e-6, 1e-9
-    s, scale = recorded(**physics('coulomb_friction', 2.0)), force / length
-    small = s._replace(
+@lru_cache(maxsize=None)
+def in_units(name: str, length: float, force: float) -> Diagnosis:
+    """Diagnose a world whose recording and nominal model are in other units."""
+    s, scale = recorded(**physics(name, *WORLDS[name])), force / length
+    other = s._replace(
         force=force * s.force, position=length * s.position,
         reference=np.array([length, length, length, force])[:, None] * s.reference)
+    return diagnosed(other, nominal(sign_velocity=length * SIGN_VELOCITY, **{
+        key.replace('.', '__'): scale * value for key, value in MODEL.items()}))
+
+
+@pytest.mark.parametrize('length, force', [(1e3, 1e3), (1e6, 1e9), (1e9, 1e12)])
+@pytest.mark.parametrize('name', ['coulomb_friction', 'hunt_crossley_damping'])
+def test_no_decision_depends_on_units(name: str, length: float, force: float) -> None:
+    usual, found = in_units(name, 1.0, 1.0), in_units(name, length, force)
+    assert named(found) == named(usual) == [name]
+    for one, other in zip(found.effects, usual.effects):
+        assert one.probability == pytest.approx(other.probability, abs=0.005)
+        assert one.indistinguishable_from == other.indistinguishable_from
+        assert one.share == pytest.approx(other.share, abs=1e-4)
+    unit = force if name == 'coulomb_friction' else force / length**2
+    value, usual_value = (next(iter(each.effects[0].parameters.values())).value
+                          for each in (found, usual))
+    assert value == pytest.approx(unit * usual_value, rel=1e-4)
+
+
+def test_friction_keeps_its_name_where_the_width_of_the_sign_has_another_unit() -> None:
+    s = recorded(**physics('coulomb_friction', 2.0))
+    small = s._replace(position=1e6 * s.position, force=1e9 * s.force, reference=np.array(
+        [1e6, 1e6, 1e6, 1e9])[:, None] * s.reference)
     found = diagnosed(small, nominal(**{
-        name.replace('.', '__'): scale * value for name, value in MODEL.items()}))
+        key.replace('.', '__'): 1e3 * value for key, value in MODEL.items()}))
     assert named(found) == ['coulomb_friction']
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(2.0 * force, rel=BOUND)
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(2e9, rel=BOUND)
 
 
 OUTSIDE = {

@@ -52,7 +52,7 @@ def truths_of(name: str, count: int = 700, **values: Any) -> tuple[Array, ...]:
 @pytest.fixture
 def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the play of backlash trust positions, which are free of noise here."""
-    monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
+    monkeypatch.setattr('contact_estimation.physics.backlash.TOLERANCE', 0.0)
 
 
 @pytest.mark.slow

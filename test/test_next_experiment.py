@@ -79,3 +79,11 @@ def test_proposal_names_pair_and_experiment() -> None:
     assert proposal.experiment.duration == pytest.approx(
         3.0 * next(c.experiment.duration for c in candidates(reach_of(open_question()))
                    if c.words in proposal.text))
+
+
+def test_a_friction_that_yields_within_micrometres_is_simulated_in_short_steps() -> None:
+    d = open_question()
+    yielding = d.corrected.without('coulomb_friction').with_effect(
+        'bouc_wen_hysteresis', (4e5, 800.0, 4e4))
+    proposal = choose(replace(d, corrected=yielding))
+    assert proposal is not None and 'nan' not in proposal.text

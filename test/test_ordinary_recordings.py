@@ -66,6 +66,20 @@ def test_relaxation_of_minutes_is_named_at_1_hz() -> None:
     assert found.effects[0].parameters['tau'].value == pytest.approx(200.0, rel=0.05)
 
 
+@pytest.mark.slow
+def test_creep_of_a_sensor_is_named_though_relaxation_would_need_a_force_that_decays() -> None:
+    t = np.arange(0.0, 200.0, 0.5)
+    x = np.interp(t, (5.0, 7.0, 50.0, 52.0, 90.0, 92.0, 150.0, 152.0),
+                  (0.0, 4e-3, 4e-3, 8e-3, 8e-3, 2.8e-3, 2.8e-3, 0.0))
+    noise = np.random.default_rng(4).normal(size=(2, len(t)))
+    # tau y' + y = F_e, F_e straight between samples; the sensor adds a share of y
+    y = relaxing(t, x, 0.0, -50.0, 4.0) - 50.0 * x
+    found = diagnosed(signals_of(t, -50.0 * x + 0.17 * y + 2e-3 * noise[0], x + 4e-7 * noise[1]),
+                      attached(stiffness=50.0, damping=1.5))
+    assert named(found) == ['force_creep']
+    assert found.effects[0].parameters['tau'].value == pytest.approx(4.0, rel=0.1)
+
+
 APART = (1e-3, -1.3e-3, 0.2e-3)
 TURNS = ((2.85, 3.2), (5.0, 5.35))
 """Between the contacts, while the tool is away."""

@@ -11,7 +11,6 @@ from ..reference.experiment import Experiment, Segment
 
 _PEAK = 1.875  # greatest over mean speed of a quintic
 _REST_S = 0.6  # in free flight, where the noise is measured, and after a swing
-_LEAST_GAP = 0.002  # [m], less before contacts that are not as deep
 _SWUNG_S = 3.0
 _TOUCHES = 3  # so that one can be held out
 
@@ -31,8 +30,7 @@ class Reach(NamedTuple):
     @property
     def start(self) -> float:
         """Start of a touch [m]: a quarter of the stroke before the wall, within reach."""
-        gap = min(self.gap, 0.25 * self.gain * self.depth)
-        return self.location - max(min(_LEAST_GAP, self.depth), gap)
+        return self.location - max(0.25 * self.depth, min(self.gap, 0.25 * self.gain * self.depth))
 
     def position(self, depth: float) -> float:
         """Return the x_d [m] that presses to a depth [m]."""

@@ -20,7 +20,7 @@ from .conclusion import conclude
 from .fit.free_run import plant_of
 from .fit.surfaces import surfaces_of
 from .next_experiment import diagnose_apart
-from .observe.model import Model
+from .observe.model import Model, Unit
 from .observe.observed import observe, Observed
 from .observe.parts import continuous_parts
 from .observe.prepared_recording import prepare
@@ -34,7 +34,9 @@ from ..plant.plant_parameters import PlantParameters, WallParameters
 
 Array = NDArray[np.float64]
 
-_FADES = 0.015  # of the speed of a motion: where dry friction fades, as 4e-4 of 0.027 m/s
+# Of the speed of a motion: where dry friction fades at most, as 4e-4 of 0.027 m/s, and where a
+# width is sharper than any recording resolves, as one that is given in other units.
+_FADES, _UNRESOLVED = 0.015, 1e-5
 
 
 def diagnose(
@@ -85,7 +87,7 @@ def diagnose(
     fitted, held_out = (
         [part for one in some for part in continuous_parts(one, model)]
         for some in (every[:len(fitted)], every[len(fitted):]))
-    nominal = _with_sharp_sign(nominal, [*fitted, *held_out])
+    nominal = _in_scales_of([*fitted, *held_out], nominal)
     seen = best_view(Given(nominal, fitted, held_out, examined.checks), progress)
     if seen.view.offset is not None:
         commanded = all(one.observed.reference is not None for one in seen.recordings)
@@ -96,12 +98,15 @@ def diagnose(
     return _moving(seen, diagnosis, seed, progress)
 
 
-def _with_sharp_sign(nominal: Model, recordings: Sequence[Recording]) -> Model:
-    """Let dry friction fade at a speed far below those of the recordings."""
-    known = nominal.nominal
-    speeds = [np.sqrt(np.mean(observe(one.signals, known).v**2)) for one in recordings]
-    width = min(known.sign_velocity, _FADES * float(min(speeds)))
-    return replace(nominal, nominal=replace(known, sign_velocity=width))
+def _in_scales_of(recordings: Sequence[Recording], nominal: Model) -> Model:
+    """Let values of 0 have sizes, and dry friction fade at a speed, in scales of recordings."""
+    known, seen = nominal.nominal, [observe(one.signals, nominal.nominal) for one in recordings]
+    speeds = [float(np.sqrt(np.mean(one.v**2))) for one in seen]
+    given, most = known.sign_velocity, _FADES * min(speeds)
+    width = given if _UNRESOLVED * max(speeds) < given < most else most
+    length = max(float(np.ptp(one.x)) for one in seen)
+    unit = Unit(length, max(float(np.ptp(one.force)) for one in seen), length / max(speeds))
+    return replace(nominal, nominal=replace(known, sign_velocity=width), unit=unit)
 
 
 def _moving(seen: Seen, diagnosis: Diagnosis, seed: int, progress: Progress) -> Diagnosis:

@@ -38,7 +38,6 @@ from ..reference.experiment import Experiment
 
 Array = NDArray[np.float64]
 
-_INTEGRATION_RATE = 1000.0
 _LEAST_PACE = 0.1
 
 
@@ -175,9 +174,7 @@ class Judge:
     def _simulated(self, t: Array, reference: Array) -> Array:
         """Return time, x, v, a, F_e and its measured value [SI], shape (6, N)."""
         h = self._recording.observed.h
-        slow = self._recording.observed.pace > 1.0
-        rate = steps_a_sample(self._model, self._recording.observed) / h if slow else max(
-            _INTEGRATION_RATE, 1.0 / h)
+        rate = steps_a_sample(self._model, self._recording.observed) / h
         plant = dataclasses.replace(
             plant_of(self._model), sample_rate=1.0 / h, integration_rate=rate)
         return np.array(simulate_on(plant, t, reference, float(reference[0, 0])), np.float64).T

@@ -10,8 +10,8 @@ import numpy as np
 from .law import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
 
-POSITION_TOLERANCE = 2e-5
-"""Tolerance of measured positions at the end of the play [m]."""
+TOLERANCE = 0.05
+"""Tolerance of measured positions at the end of the play, as a share of the way to it."""
 
 
 def played(steps: Array, half: float) -> Array:
@@ -59,7 +59,7 @@ class Backlash(ContactEffect):
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
         # Measured positions contain noise, which does not disengage the play.
-        least = half * (1.0 - 1e-9) if m is math else half - POSITION_TOLERANCE
+        least = half * (1.0 - (1e-9 if m is math else TOLERANCE))
         return d - inside, v, abs(place) >= least
 
     def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:

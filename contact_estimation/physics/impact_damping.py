@@ -10,7 +10,7 @@ from .law import (
     Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
     stretches)
 
-_SLOWEST = 1e-4  # touch-down that the law holds for [m/s]
+_SLOWEST = 0.25  # touch-down that the law holds for, of the speed at which friction fades
 
 
 @dataclass(frozen=True)
@@ -31,17 +31,19 @@ class ImpactDamping(ContactEffect):
     states = 1  # v_0, 0 out of contact
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        speed = state[0] + (state[0] < _SLOWEST) * (_SLOWEST - state[0])
+        slowest = _SLOWEST * self.sign_velocity
+        speed = state[0] + (state[0] < slowest) * (slowest - state[0])
         return self.chi * positive(d, m) * v / speed
 
     def settle(self, d: float, v: float, contact: bool, state: State) -> State:
-        return (state[0] or max(abs(v), _SLOWEST) if contact else 0.0,)
+        return (state[0] or max(abs(v), _SLOWEST * self.sign_velocity) if contact else 0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         states = np.zeros((1, len(t)))
         for first, stop in stretches(contact):
             if contact[first]:
-                states[0, first:stop] = max(abs(float(v[first])), _SLOWEST)
+                states[0, first:stop] = max(
+                    abs(float(v[first])), _SLOWEST * self.sign_velocity)
         return states
 
     @classmethod

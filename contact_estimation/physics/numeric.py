@@ -46,12 +46,13 @@ def discretise(mass: float, damping: float, stiffness: float, h: float) -> Secon
     """Discretise m [kg], B [N s/m], K [N/m] by a first-order hold of h [s]."""
     from scipy.linalg import expm  # slow to import, and no node needs it
 
-    # States x, v, f, f': the exponential of the block matrix integrates a straight f exactly.
+    # States x, v, f / M, f' / M: the exponential of the block matrix integrates a straight f
+    # exactly, and is the same in any units of length and force.
     block = np.zeros((4, 4))
     block[0, 1], block[2, 3] = 1.0, 1.0
-    block[1, :3] = -stiffness / mass, -damping / mass, 1.0 / mass
+    block[1, :3] = -stiffness / mass, -damping / mass, 1.0
     step = expm(block * h)
-    A, b_0, b_1 = step[:2, :2], step[:2, 2] - step[:2, 3] / h, step[:2, 3] / h
+    A, b_0, b_1 = step[:2, :2], (step[:2, 2] - step[:2, 3] / h) / mass, step[:2, 3] / h / mass
     denominator = np.array([1.0, -np.trace(A), np.linalg.det(A)])
     # z x = A x + b_0 f + b_1 z f; the adjugate of (z I - A) gives the numerators.
     adjugate = np.array([[A[1, 1], -A[0, 1]], [-A[1, 0], A[0, 0]]])

@@ -17,7 +17,7 @@ class StribeckFriction(ContactEffect):
     F_s: float = optional_parameter(
         'Friction force near zero speed', 'N', minimum=0.0, linear=True)
     v_s: float = optional_parameter(
-        'Stribeck velocity: speed at which F_s - F_c has fallen to 1/e', 'm/s', minimum=1e-06)
+        'Stribeck velocity: speed at which F_s - F_c has fallen to 1/e', 'm/s', minimum=1e-15)
 
     equation = 'F_e -= (F_c + (F_s - F_c) exp(-(v / v_s)^2)) sgn(v)'
     family = 'friction'

@@ -19,7 +19,7 @@ class TorqueSaturation(RobotEffect):
     """
 
     limit: float = optional_parameter(
-        'Force that the drives approach', 'N', minimum=1e-9, logarithmic=True)
+        'Force that the drives approach', 'N', minimum=1e-15, logarithmic=True)
 
     equation = "M_t x'' = limit tanh(u / limit) + F_e"
     family = 'limits'

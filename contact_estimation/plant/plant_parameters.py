@@ -44,7 +44,7 @@ class WallParameters(ParameterGroup):
 class RobotParameters(ParameterGroup):
     """The robot under impedance control, eq. (1), or a bare arm."""
 
-    mass: float = parameter(50.0, 'Target mass M_t', 'kg', minimum=1e-6)
+    mass: float = parameter(50.0, 'Target mass M_t', 'kg', minimum=1e-15)
     damping: float = parameter(1000.0, 'Target damping B_t', 'N s/m', minimum=0.0)
     stiffness: float = parameter(5000.0, 'Target stiffness K_t', 'N/m', minimum=0.0)
     force_tracking: bool = parameter(False, 'The robot adds F_r to its control force')

@@ -235,6 +235,11 @@ class Evidence:
         depth = float(np.quantile(s.x[contact], 0.95))
         if not len(first):
             return Onset(float(np.min(s.x)), depth - float(np.min(s.x)), 0.0)
+        # A loose or bouncing wall is left and met again deep inside: the first entry after each
+        # return from it tells where it begins.
+        away = s.x < np.min(s.x) + MUCH * np.ptp(s.x)
+        returns = np.cumsum(np.diff(away.astype(int), prepend=0) > 0)
+        first = first[np.unique(returns[first], return_index=True)[1]]
         begin = float(np.median(s.x[first]))
         window = self.period * self._window
         return Onset(begin, depth - begin, window * float(np.median(np.abs(s.v[first]))))

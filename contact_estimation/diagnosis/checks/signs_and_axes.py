@@ -112,16 +112,22 @@ def axis(evidence: Evidence) -> Finding:
                           "the wrench's frame and unit and the nominal stiffness")
 
 
-_LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
+_LENGTHS: Mapping[str, float] = {
+    'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37,
+}
 """Units of length in a metre."""
 
 _FORCES: Mapping[str, float] = {
     'kN': 1e-3, 'kgf': 0.10197, 'lbf': 0.22481, 'grams of force': 101.97, 'mN': 1e3,
+    'uN': 1e6, 'nN': 1e9,
 }
 """Units of force in a newton."""
 
 _LONG_TRAVEL = 0.5  # [m] from which on a thousandth of the force means millimetres, not kN
 _FEW, _PREFIX = log(3.0), log(1e3)  # what nominal models are wrong by; kilo or milli
+# What friction, or a wrong gain, adds where another unit is near. A twentieth of the force, of
+# another axis, is twice what inches or half of what kgf would leave.
+_ADDED = log(1.75)
 
 
 def length_unit(evidence: Evidence) -> Finding:
@@ -158,7 +164,8 @@ def force_unit(evidence: Evidence) -> Finding:
     if unit is None:
         return _of_magnitude(evidence, text)
     other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
-             'lbf': ' (or on another axis)'}.get(unit, '')
+             'lbf': ' (or on another axis, or its gain is wrong)',
+             'mN': ' (or in nN, positions in um)'}.get(unit, '')
     return Finding(False, f'{text}, expected about 1: it seems to be in {unit}{other}; record '
                           'newtons')
 
@@ -192,19 +199,14 @@ def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
     if unit is None or robot.slope <= 0.0:
         return None
     off = log(robot.slope / units[unit])
-    return unit if log(LITTLE) < off < _reach(unit, {'': 1.0, unit: units[unit]}) else None
+    return unit if log(LITTLE) < off < 0.5 * abs(log(units[unit])) else None
 
 
 def _nearest(ratio: float, units: Mapping[str, float]) -> str | None:
-    """Return the unit of a ratio, nearer to it than to any other unit; None if none is near."""
+    """Return the unit of a ratio, nearer to it than any other, or 1; None if none is near."""
     if ratio <= 0.0:
         return None
-    best = min(units, key=lambda name: abs(log(ratio / units[name])))
-    reach = min(_FEW, _reach(best, {'': 1.0, **units}))
-    return best if abs(log(ratio / units[best])) < reach else None
-
-
-def _reach(unit: str, units: Mapping[str, float]) -> float:
-    """Return half the way to the nearest other unit, in logarithms of ratios."""
-    return 0.5 * min(abs(log(units[unit] / ratio)) for name, ratio in units.items()
-                     if name != unit)
+    known = {'': 1.0, **units}  # the right unit, which is no mistake
+    best = min(known, key=lambda name: abs(log(ratio / known[name])))
+    half = 0.5 * min(abs(log(known[best] / known[name])) for name in known if name != best)
+    return best if best and abs(log(ratio / known[best])) < min(_FEW, max(_ADDED, half)) else None

@@ -11,7 +11,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 import numpy as np
 
 from .constants import Constants
-from .evidence import Evidence, Scored
+from .evidence import Evidence, ranked_by, Scored
 
 
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
@@ -33,7 +33,7 @@ class Space(Protocol):
         """Return the most promising models with one more effect."""
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Return models with another law of its family in the place of each law of a model."""
+        """Return models with a law of its family, or the likeliest, in the place of each law."""
 
     def to_the_end(self, one: Scored) -> Scored | None:
         """Fit a model to the end; None if its values are not possible."""
@@ -76,7 +76,12 @@ def search(
                 if not one.laws or evidence.score(rough) > best - _FAR:
                     _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
-    for sibling in space.siblings(evidence.ranked(pool.values())[0]):
+    first = evidence.ranked(pool.values())[0]
+    lawful = [one for one in pool.values() if one.laws]
+    if lawful and not first.laws and not evidence.is_exact(first):
+        # An inexact law may not be worth its prior where an exact one beside it is.
+        first = ranked_by(lawful, lambda one: -evidence.log_likelihoods(one)[0].sum())[0]
+    for sibling in space.siblings(first):
         _keep(evidence, pool, sibling)
     return Compared(evidence, evidence.ranked(pool.values()))
 

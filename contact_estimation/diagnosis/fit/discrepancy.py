@@ -15,7 +15,7 @@ only, and not to be named as physics.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import log, sqrt
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,16 +184,16 @@ def _unknown_force(plain: PreparedRecording, model: Model) -> float:
     lacks, which no force explains, is so told from a force.
     """
     def filtered(logarithm: float) -> tuple[float, float]:
-        noisier = replace(plain, block=1, force_noise=float(np.exp(logarithm)))
+        noisier = replace(plain, block=1, force_noise=plain.force_noise * exp(logarithm))
         noisier = noisier.widened(1.0, model)  # not averaged: only white innovations are least
         size = _rms(noisier, model)
         return size * noisier.motion_noise, size * noisier.force_noise
 
-    least, most = np.log([plain.force_noise, plain.observed.force_range])
-    if least >= most:
+    most = log(max(plain.observed.force_range / plain.force_noise, 1.0))
+    if not most:
         return 0.0
     best = minimize_scalar(
-        lambda logarithm: log(filtered(logarithm)[0]), bounds=(least, most), method='bounded',
+        lambda logarithm: log(filtered(logarithm)[0]), bounds=(0.0, most), method='bounded',
         options={'xatol': _MATCHED}).x
     total = filtered(float(best))[1]
     return max(total**2 - plain.force_noise**2, 0.0) ** 0.5

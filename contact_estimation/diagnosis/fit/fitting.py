@@ -175,26 +175,27 @@ def fit(
 def _searched(
     recordings: Recordings, model: Model, steps: int, briefly: bool, known: Array | None
 ) -> Fit:
-    (low, high), size = model.ranges, model.steps
-    secant = SecantJacobian(
-        residual_function(recordings, model, briefly=briefly), size, high)
-    start, cost, brief = np.clip(model.coordinates, low + 1e-9 * size, high), np.inf, steps < 10
+    size, function = model.steps, residual_function(recordings, model, briefly=briefly)
+    # In typical changes, so that no criterion of the search depends on units.
+    (low, high), given = (bound / size for bound in model.ranges), model.coordinates / size
+    secant = SecantJacobian(lambda values: function(values * size), np.ones(len(size)), high)
+    start, cost, brief = np.clip(given, low + 1e-9, high), np.inf, steps < 10
     least = _BRIEFLY if brief else _TO_END
-    if known is not None and np.array_equal(start, model.coordinates):
+    if known is not None and np.array_equal(start, given):
         secant.know(start, known)
     with np.errstate(all='ignore'):  # costs may overflow far from the optimum
         while True:
             secant.residuals(start)  # the first of the steps, and known from the second search on
             secant.renew(steps - 1, least)
             found = least_squares(
-                secant.residuals, start, secant.jacobian, bounds=(low, high), x_scale=size,
+                secant.residuals, start, secant.jacobian, bounds=(low, high),
                 max_nfev=steps, xtol=1e-6, gtol=1e-12, ftol=least)
             steps -= found.nfev - 1
             # A fresh start, with differenced derivatives and long steps, may see a way further.
             if brief or steps < 2 or found.cost > (1.0 - least) * cost:
                 break
             start, cost = found.x, found.cost
-    there = model.with_free(np.where(found.x - low < _AT_BOUND * size, low, found.x))
+    there = model.with_free(np.where(found.x - low < _AT_BOUND, low, found.x) * size)
     count = sum(recording.residual_count for recording in recordings)
     return Fit(there, 2.0 * found.cost, found.fun, count, bool(found.status > 0))
 

@@ -18,7 +18,7 @@ from ..observe.model import Model
 from ..observe.observed import Observed
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
-from ..observe.shares import LITTLE
+from ..observe.shares import LITTLE, SLIGHT
 from ...parameters import build, flatten
 from ...physics.contact_law import ContactLaw
 from ...plant.driven_wall import run_driven_wall
@@ -33,7 +33,7 @@ _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
 _RESOLVED = 0.2  # [rad] of the oscillation of robot and wall, a step
 _MOST_STEPS = 100.0
-_NEAR = 1e-9  # [m] or [N]: the laws are linear in small states
+_NEAR = 1e-6  # [s] that a state moves: the laws are linear in small states
 _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
 
@@ -60,7 +60,7 @@ class Run(NamedTuple):
 def steps_a_sample(model: Model, o: Observed) -> int:
     """Return how many Runge-Kutta steps a sample asks for."""
     laws, wall = model.laws(), model.nominal.environment
-    least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
+    least = SLIGHT * float(np.ptp(o.x))
     x = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least)
     fast, slow = float(np.max(np.abs(o.v))), 0.1 * model.nominal.sign_velocity
     states = laws.contact.settle(0.0, x, LITTLE * fast, (0.0,) * laws.contact.states)
@@ -84,8 +84,9 @@ def _decay(law: ContactLaw, x: float, speed: float) -> float:
     for v in (speed, -speed):
         rates = law.rates(0.0, x, v, still)
         for k in range(law.states):
-            moved = (*still[:k], _NEAR, *still[k + 1:])
-            fastest = max(fastest, (rates[k] - law.rates(0.0, x, v, moved)[k]) / _NEAR)
+            near = _NEAR * (abs(rates[k]) or 1.0)
+            moved = (*still[:k], near, *still[k + 1:])
+            fastest = max(fastest, (rates[k] - law.rates(0.0, x, v, moved)[k]) / near)
     return fastest
 
 

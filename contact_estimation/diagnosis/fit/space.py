@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from functools import cached_property
-from typing import Callable, Sequence, TypeVar
+from typing import Callable, Mapping, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from .screening import measure_scales, Screening, Step
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ..observe.shares import MUCH, SLIGHT
+from ..observe.shares import MOST, MUCH, SLIGHT
 from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
 
@@ -207,12 +207,8 @@ class ContactModels:
         self._progress(f'{len(names)} effects')
         here, by_name = fit_at(recordings, present), self._screening.steps(present, names)
         part = 2 if one.named else 1
-        ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
-        first = _first_of(list(by_name), str, _TRIED // part)
-        tried = [self._tried(recordings, here.cost, by_name[name])
-                 for name in dict.fromkeys([*first, *ringing])]
-        rough = ranked([each for each in tried if is_credible(recordings, each.model)],
-                       lambda found: found.cost)
+        rough = ranked(self._credible(recordings, here.cost, by_name, _TRIED // part,
+                                      not one.named), lambda found: found.cost)
         longer = ranked([
             fit(recordings, each.model, _LONGER, known=each.residuals)
             for each in _first_of(rough, lambda each: each.name, _FOLLOWED // part)],
@@ -221,18 +217,37 @@ class ContactModels:
                     for each in _first_of(longer, lambda each: each.name, _SCORED // part)]
         return [each for each in finished if each is not None]
 
+    def _credible(
+        self, recordings: Recordings, present: float, by_name: Mapping[str, Sequence[Step]],
+        count: int, ringing: bool,
+    ) -> list[Fit]:
+        """Fit the first effects briefly whose values are possible, and all that ring."""
+        found, seen = list[Fit](), Counter[str]()
+        for name, steps in by_name.items():
+            wanted = len(found) < count and seen[EFFECTS[name].family] < _OF_FAMILY
+            if wanted or ringing and EFFECTS[name].resonates:
+                tried = self._tried(recordings, present, steps)
+                if is_credible(recordings, tried.model):
+                    found.append(tried)
+                    seen[EFFECTS[name].family] += 1
+        return found
+
     def siblings(self, one: Scored) -> list[Scored]:
-        """Fit the other laws of its family in the place of each law of a model."""
+        """Put other laws in the place of each: those of its family, and of the likeliest one."""
         model, found = one.found.found.model, list[Scored | None]()
         recordings = self.weighed(model)
         for name in _laws(model):
             rest = model.without(name)
-            others = [other for other in candidates_in(recordings, rest) if other != name
-                      and EFFECTS[other].family == EFFECTS[name].family]
+            taken = one.named - {EFFECTS[name].family}
+            steps = self._screening.steps(rest, [
+                other for other in candidates_in(recordings, rest)
+                if EFFECTS[other].family not in taken])
+            alike = {EFFECTS[other].family for other in (name, next(iter(steps)))}
             present = fit_at(recordings, rest).cost
-            for steps in self._screening.steps(rest, others).values():
-                near = self._tried(recordings, present, steps).model
-                found.append(self._finished(near, _TO_THE_END))
+            found += [
+                self._finished(self._tried(recordings, present, near).model, _TO_THE_END)
+                for other, near in steps.items()
+                if other != name and EFFECTS[other].family in alike]
         return [each for each in found if each is not None]
 
     def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
@@ -272,6 +287,9 @@ class ContactModels:
     def _finished(self, model: Model, steps: int) -> Scored | None:
         recordings = self.weighed(model)
         found = fit(recordings, model, steps)
+        if found.cost < MOST * len(found.residuals):  # weighed by a discrepancy of long ago
+            recordings = self.weighed(found.model)
+            found = fit(recordings, found.model, steps)
         return self._scored(recordings, found) if is_credible(recordings, found.model) else None
 
     def without(self, one: Scored, names: Sequence[str]) -> Scored:

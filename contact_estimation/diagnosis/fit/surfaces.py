@@ -133,7 +133,7 @@ def _away(signals: Signals, begin: float, end: float, place: float) -> tuple[flo
         return begin, end
     x, t = signals.position[between], signals.joint_t[between]
     farthest = int(np.argmin(x))
-    nearer = x >= max(place, float(x[farthest]) + 1e-12)
+    nearer = (x >= place) & (x > x[farthest])
     first = np.flatnonzero(nearer[:farthest])
     last = np.flatnonzero(nearer[farthest:])
     return (float(t[first[-1]]) if len(first) else begin,

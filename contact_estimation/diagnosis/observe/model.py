@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,9 +25,28 @@ from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 
-_NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
+_NO_WALL = 1e-6  # K_e and B_e: practically no spring, no damper, in scales of the recordings
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
+
+
+class Unit(NamedTuple):
+    """Scales of recordings, in which a value of 0 has a size; those of SI by default."""
+
+    length: float = 1.0  # [m]
+    force: float = 1.0  # [N]
+    time: float = 1.0  # [s]
+
+    def of(self, unit: str) -> float:
+        """Return the size of a parameter of a unit such as 'N s/m^2'; other symbols count 1."""
+        above, _, below = unit.partition('/')
+        size = {'m': self.length, 'N': self.force, 's': self.time,
+                'kg': self.force * self.time**2 / self.length}
+        product = 1.0
+        for sign, symbols in ((1, above), (-1, below)):
+            for symbol, power in re.findall(r'(\w+)(?:\^(\d+))?', symbols):
+                product *= size.get(symbol, 1.0) ** (sign * int(power or 1))
+        return product
 
 
 class Laws(NamedTuple):
@@ -61,6 +81,7 @@ class Model:
     excluded: frozenset[str] = frozenset()
     # effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named
     given: tuple[str, ...] = ()
+    unit: Unit = Unit()  # in which values of 0 have a size
 
     @classmethod
     def of(
@@ -149,19 +170,24 @@ class Model:
 
     @property
     def sizes(self) -> Array:
-        """Typical change of each of all values: its magnitude, or 1 if it is 0."""
+        """Typical change of each of all values: its magnitude, or that of its unit if it is 0."""
         values = np.abs(np.array(self.values))
-        sizes = np.where(values > 0.0, values, 1.0)
+        sizes = np.where(values > 0.0, values, self._units)
         sizes[:2] = np.maximum(values[:2], self._no_wall)
         return sizes
 
     @cached_property
+    def _units(self) -> Array:
+        """Return the unit of each of all values in scales of the recordings."""
+        own = [spec.unit for effect in self.effects
+               for spec in own_specifications(EFFECTS[effect])]
+        return np.array([self.unit.of(one)
+                         for one in (*('N/m', 'N s/m', 'kg')[:self.base_count], *own)])
+
+    @property
     def _no_wall(self) -> Array:
-        """Largest K_e and B_e that practically are none; in small units they are small."""
-        wall = self.nominal.environment
-        stiffness, damping = abs(wall.stiffness), wall.damping
-        known = max(stiffness, damping) or wall.inertia or 1.0
-        return _NO_WALL * np.minimum(1.0, [stiffness or known, damping or known])
+        """Largest K_e and B_e that practically are none."""
+        return np.asarray(_NO_WALL * self._units[:2])
 
     @cached_property
     def logarithmic(self) -> NDArray[np.bool_]:

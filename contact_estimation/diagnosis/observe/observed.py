@@ -96,8 +96,9 @@ class Observed:
     @cached_property
     def nearest_line(self) -> Array:
         """Map from a force to its slopes over v and x, shape (2, N)."""
-        columns = np.array([self.v, self.x, np.ones(len(self.t))])
-        return np.linalg.solve(columns @ columns.T, columns)[:2]
+        size = np.array([[np.max(np.abs(self.v))], [np.max(np.abs(self.x))], [1.0]])
+        columns = np.array([self.v, self.x, np.ones(len(self.t))]) / size
+        return np.asarray((np.linalg.solve(columns @ columns.T, columns) / size)[:2])
 
     def driven_by_force(self, nominal: PlantParameters) -> bool:
         """Return whether there is no robot, but a wall whose mass the measured force moves."""
