@@ -157,6 +157,13 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
+def test_a_law_is_named_and_not_one_that_has_it_as_a_special_case() -> None:
+    found = diagnosed(recorded(**physics('presliding_friction', 0.6, 6000.0)))
+    assert named(found) == ['presliding_friction']
+    assert 'bouc_wen_hysteresis' in found.effects[0].indistinguishable_from
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(0.6, rel=BOUND)
+
+
 @lru_cache(maxsize=None)
 def in_units(name: str, length: float, force: float) -> Diagnosis:
     """Diagnose a world whose recording and nominal model are in other units."""

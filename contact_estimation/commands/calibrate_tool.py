@@ -35,15 +35,17 @@ def make_parser() -> Parser:
         'wrench and joint states: at least 12 poses of the arm in free flight, each held for 2 s, '
         'that turn the sensor in all directions; or slow motion through them.',
     )
-    parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
+    parser.add_argument('recording', metavar='RECORDING',
+                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT)')
     parser.add_argument('--robot-description', metavar='FILE',
-                        help="URDF of the arm, with the sensor's frame (default: the recorded)")
+                        help="URDF of the arm, with the sensor's frame (default: as recorded)")
     parser.add_argument('--params', metavar='FILE', help='ROS 2 parameter file of estimator_node: '
                         'force_sensor.frame (default: that of the wrench), force_sensor.rpy and '
                         'force_sign')
     parser.add_argument('--output', required=True, metavar='tool.yaml',
                         help='ROS 2 parameter file to write, for estimator_node and replay')
-    parser.add_argument('--json', metavar='FILE', help='write values and deviations as JSON')
+    parser.add_argument('--json', metavar='FILE',
+                        help='write values and standard deviations as JSON')
     add_reading_options(parser)
     return parser
 

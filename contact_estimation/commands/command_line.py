@@ -79,16 +79,16 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--units', default='', metavar='UNIT,...',
-        help='units of these columns, such as mm,N,ms (default: from their names, else SI)',
+        help='units of the columns whose names hold none, such as mm,N,ms (default: SI)',
     )
     parser.add_argument(
         '--stamps', choices=STAMPS, default='header',
         help='take the time of a message from its header, or from its reception by the recorder '
-        'if headers have no stamps or those of another clock (header)',
+        'if headers have no stamps or those of another clock (default: header)',
     )
     parser.add_argument(
         '--wrench-field', default='', metavar='FIELD',
-        help='field with force and torque in other messages than WrenchStamped, such as '
+        help='field with force and torque in messages other than WrenchStamped, such as '
         'data[0:6]',
     )
 
@@ -125,7 +125,8 @@ def reading_of(options: Any) -> dict[str, Any]:
 def add_source_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of all commands that read recordings."""
     add_reading_options(parser)
-    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
+    parser.add_argument('--axis', choices=('x', 'y', 'z'),
+                        help='contact axis of the wrench (default: x)')
     parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 

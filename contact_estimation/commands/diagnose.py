@@ -40,7 +40,7 @@ def make_parser() -> Parser:
         'fitted and tested on held-out data.',
     )
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
-                        help='.mcap file or rosbag2 folder')
+                        help='.mcap file, rosbag2 folder or table (CSV, Parquet, MAT)')
     parser.add_argument('--nominal', metavar='MODEL.yaml',
                         help='model file of the simulation (section plant_node)')
     parser.add_argument('--nominal-robot', metavar='ARM.urdf',

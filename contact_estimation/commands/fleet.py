@@ -31,16 +31,17 @@ def make_parser() -> Parser:
         prog='fleet',
         description='Replay and diagnose every recording of an archive in parallel, and write '
         'table.parquet, a row for each recording and contact, and index.html: which physics are '
-        'missing where and since when, wear, and robots that differ from the rest. A recording '
-        'that cannot be used is a row with its error. An interrupted run resumes: what is done '
-        'with the same recording, model, options and version is not done again.',
+        'missing, where and since when, wear, and robots that differ from the rest. A recording '
+        'that cannot be used becomes a row with its error. An interrupted run resumes: what was '
+        'finished with the same recording, model, options and version is not repeated.',
     )
     parser.add_argument('paths', metavar='PATH', nargs='+',
-                        help='.mcap files, rosbag2 folders, folders of both, or quoted patterns')
+                        help='.mcap files, rosbag2 folders, folders of both, tables, or quoted '
+                        'patterns')
     parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
                         help='model file of the simulation (section plant_node)')
     parser.add_argument('--output', metavar='DIR', required=True,
-                        help='folder of table, page and finished results')
+                        help='folder for table, page and finished results')
     parser.add_argument('--group-by', metavar='PATTERN',
                         help='regular expression, searched for in each path; its group in '
                         "parentheses names the robot, such as '(robot_[a-z]+)/' (default: all "

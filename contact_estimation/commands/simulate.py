@@ -37,7 +37,7 @@ def make_parser() -> Parser:
     parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
     given.add_argument('--like', metavar='RECORDING',
-                       help='.mcap file or rosbag2 folder whose command is repeated')
+                       help='.mcap file, rosbag2 folder or table whose command is repeated')
     given.add_argument(
         '--experiment', metavar='NAME|FILE.yaml',
         help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',

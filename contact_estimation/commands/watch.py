@@ -36,7 +36,8 @@ def make_parser() -> Parser:
         epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.',
     )
     parser.add_argument('recording', metavar='RECORDING', nargs='?',
-                        help='an .mcap file or rosbag2 folder (default: the running estimator)')
+                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT); '
+                        'default: the running estimator')
     where = parser.add_mutually_exclusive_group()
     where.add_argument('--web', action='store_true',
                        help='serve a web page instead of opening a window')

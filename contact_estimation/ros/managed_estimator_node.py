@@ -14,8 +14,8 @@ from .estimator_node import all_specifications, EstimatorNode
 from .running import run_node
 from .topics import WRENCH
 
-PURPOSE = ('managed_estimator_node: estimator_node with the states of the ROS 2 life cycle; it '
-           'takes data and publishes while it is active')
+PURPOSE = ('managed_estimator_node: estimator_node as a managed (lifecycle) node of ROS 2; it '
+           'takes data and publishes only while it is active')
 
 
 class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):

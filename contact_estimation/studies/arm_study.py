@@ -111,7 +111,7 @@ def make_parser() -> Parser:
                         help='also run the node over DDS on each arm, in real time, and diagnose '
                         'what its recorder has written')
     parser.add_argument('--concealed', type=int, default=0, metavar='N',
-                        help='in place of all that, N worlds on a planar arm, panda and ur5, in '
+                        help='instead, diagnose N worlds on a planar arm, panda and ur5, in '
                         'which a law of a joint, a link or a sensor of torque is concealed from '
                         'diagnose --nominal-robot (0)')
     parser.add_argument('--seed', type=int, default=0, help='of --concealed (0)')

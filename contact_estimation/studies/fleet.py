@@ -136,7 +136,8 @@ def make_parser() -> Parser:
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for everything')
     parser.add_argument('--recordings', type=int, default=200, help='recordings (200)')
     parser.add_argument('--seconds', type=float, default=20.0, help='duration of each [s] (20)')
-    parser.add_argument('--seed', type=int, default=0, help='of the time of the kill (0)')
+    parser.add_argument('--seed', type=int, default=0,
+                        help='of the random time at which the run is killed (0)')
     parser.add_argument('--only-write', action='store_true', help='write the archive alone')
     return parser
 

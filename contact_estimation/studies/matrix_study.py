@@ -162,7 +162,7 @@ def make_parser() -> Parser:
         description='Estimate the full matrices in simulated contacts with sensors as real ones '
         'are, with and without friction along the wall. Prints a Markdown table: errors of K, B '
         'and the normal, and how often the truth is within 2 standard deviations.')
-    parser.add_argument('--worlds', type=int, default=60, help='for each friction (60)')
+    parser.add_argument('--worlds', type=int, default=60, help='worlds for each friction (60)')
     parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
     parser.add_argument('--seconds', type=float, default=6.0, help='of motion in contact (6)')
     return parser

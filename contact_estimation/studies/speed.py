@@ -37,7 +37,7 @@ def make_parser() -> Parser:
     node = parser.add_argument_group('node and watch')
     node.add_argument('--seconds', type=float, default=15.0, help='duration of each run [s] (15)')
     node.add_argument('--estimator', choices=ONLINE_ESTIMATORS, default=_DEFAULT,
-                      help=f'estimator of the node, but for watch ({_DEFAULT})')
+                      help=f'estimator of the node; not used by watch ({_DEFAULT})')
     replay = parser.add_argument_group('replay')
     replay.add_argument('--recording',
                         help='recording with wrench and joint_states (a simulated one)')

@@ -233,7 +233,7 @@ class ContactModels:
         return found
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Put other laws in the place of each: those of its family, and of the likeliest one."""
+        """Put other laws in the place of each: of its family, and of the likeliest other one."""
         model, found = one.found.found.model, list[Scored | None]()
         recordings = self.weighed(model)
         for name in _laws(model):
@@ -242,7 +242,8 @@ class ContactModels:
             steps = self._screening.steps(rest, [
                 other for other in candidates_in(recordings, rest)
                 if EFFECTS[other].family not in taken])
-            alike = {EFFECTS[other].family for other in (name, next(iter(steps)))}
+            families = dict.fromkeys([EFFECTS[other].family for other in (name, *steps)])
+            alike = list(families)[:2]  # the likeliest beside its own
             present = fit_at(recordings, rest).cost
             found += [
                 self._finished(self._tried(recordings, present, near).model, _TO_THE_END)
