@@ -78,12 +78,22 @@ def test_pull_is_no_contact_and_says_so() -> None:
 
 def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
     samples = two_presses()
-    zero = np.where(samples.t > 3.84, 3.0, 0.0)  # steps while the tool withdraws
-    known, *_, lost = estimates_of(samples._replace(force=samples.force + zero))[int(
+    share = np.linspace(1.0, 0.0, len(samples.t))
+    yields = np.where(samples.t > 3.0, 5.0 * share**3, 1.0)  # to a tenth, and on
+    known, *_, lost = estimates_of(samples._replace(force=samples.force * yields))[int(
         np.searchsorted(samples.t, 3.0)):]
     assert (known.stiffness_std < 0.01 * K, known.reason) == (True, '')
     assert lost.status is FREE and lost.stiffness_std != lost.stiffness_std
     assert 'the stiffness has no band' in lost.reason
+
+
+def test_a_force_that_only_a_release_contradicts_changes_no_stiffness() -> None:
+    samples = two_presses()
+    zero = np.where(samples.t > 3.84, 3.0, 0.0)  # steps while the tool withdraws
+    last = estimates_of(samples._replace(force=samples.force + zero))[-1]
+    assert last.status is FREE
+    assert last.stiffness == pytest.approx(K, rel=0.005)
+    assert last.stiffness_std < 0.01 * K
 
 
 def laws(**chosen: float) -> tuple[float, ...]:

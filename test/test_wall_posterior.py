@@ -124,6 +124,35 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
     assert np.all(np.abs(np.array(found)[(before.t > 1.5) & (before.t < at)] - K) < 0.02 * K)
 
 
+def believed(
+    step: float, at: float, location: float, since: float,
+) -> list[tuple[float, float]]:
+    """Return K_e and its deviation in contact, of three contacts, the zero stepping in between."""
+    samples = contact(spring_damper(K, B), 7.5, presses=((0.3, 2.5), (3.0, 5.0), (5.5, 7.4)))
+    force = samples.force + step * (samples.t > at)
+    posterior, found = WallPosterior(location, 0.0, NO_LAG), []
+    for t, f, x, depth in zip(samples.t, force, samples.x, samples.depth):
+        posterior.take(t, f, x)
+        if t > since and depth > 1e-3:
+            found.append((posterior.known.stiffness, posterior.known.stiffness_std))
+    return found
+
+
+@pytest.mark.parametrize('location', [0.0, nan])
+@pytest.mark.parametrize('step', [1.0, 2.0])
+def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
+    step: float, location: float,
+) -> None:
+    for stiffness, std in believed(step, 2.95, location, since=3.3):
+        assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
+@pytest.mark.parametrize('step, at', [(5.0, 3.6), (2.0, 4.0)])
+def test_a_step_of_the_zero_in_a_contact_is_forgotten_after_it(step: float, at: float) -> None:
+    for stiffness, std in believed(step, at, 0.0, since=5.0):
+        assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
 # -- laws ---------------------------------------------------------------------------------------
 
 def hunt_crossley(exponent: float) -> Law:

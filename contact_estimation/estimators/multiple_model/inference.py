@@ -21,8 +21,9 @@ from .evidence import (
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE, scales, shifted_table, UNKNOWNS)
-from .runs import Change, decided, Rhythm, Runs, SETTLED, SURPRISE
-from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, SURE
+from .runs import (
+    Change, decided, force_step, Rhythm, Runs, SETTLED, shifted, SURPRISE, Touch)
+from .slow_states import Knowledge, LagPosterior, MovingWall, OUTSIDE, OUTSIDE_M, Replaced, SURE
 from .touch import before_release, surface_of_touch
 
 _LAWS = len(NAMES)
@@ -81,7 +82,10 @@ class WallInference:
         self._surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
-        self._touched: tuple[float, float] | None = None
+        self._touched: Touch | None = None
+        self._outward = 0  # blocks in a row in which the tool moves out of the wall
+        self._level = 0.0  # of the force in free flight, before this contact [N]
+        self._replaced: Replaced | None = None
         self._excited_at, self._excitation = -1, (inf, inf)
 
     def expect(self, surface: float, std: float) -> None:
@@ -141,24 +145,27 @@ class WallInference:
         x, onset: where the contact was noticed, and where the force may have begun [m]
         """
         self.rhythm.touch()
+        self._level, self._replaced = self._contact.level, None
         known = self.known
         noise = self._blocks.noise[0]
         error = EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
-        self._touched = 0.5 * (x + onset), 0.5 * abs(x - onset) + error
+        again = known.valid and not self._was_free_at(onset, known.stiffness)
+        self._touched = Touch(0.5 * (x + onset), 0.5 * abs(x - onset) + error, again)
         if not self.rhythm.blocks:
             self._x0 = onset  # powers of the depth are right near their reference only
-        if known.surface != known.surface or not self.rhythm.blocks and self._was_free_at(onset):
-            self._look_near(*self._touched)
+        if known.surface != known.surface or not self.rhythm.blocks and self._was_free_at(
+                onset, float(_SCALES[0])):
+            self._look_near(*self._touched[:2])
             self.known = known._replace(surface=onset, surface_std=self._touched[1])
         elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
 
-    def _was_free_at(self, onset: float) -> bool:
-        """Return whether free flight went so deep into the wall as told that it is elsewhere."""
+    def _was_free_at(self, onset: float, stiffness: float) -> bool:
+        """Return whether free flight went deeper into the wall as known than such a one lets."""
         known = self.known
         inside = onset - known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
         # A force above 2 SHIFT deviations would have been seen.
-        return float(_SCALES[0]) * inside > 2.0 * SHIFT * sqrt(self._contact.variance)
+        return stiffness * inside > 2.0 * SHIFT * sqrt(self._contact.variance)
 
     def alarms(self, shorts: Array) -> NDArray[np.bool_]:
         """Return which short blocks are not what the wall as known explains."""
@@ -229,6 +236,33 @@ class WallInference:
             yield from self._judge()
             self._runs.begin()
 
+    def zero_has_stepped(self, x: float) -> bool:
+        """Return whether free flight at a place [m] has another force than before a contact."""
+        off = abs(self._contact.level - self._level)
+        return self._replaced is not None and x < self._replaced.surface and (
+            off > 2.0 * SHIFT * sqrt(self._contact.variance))
+
+    def leave(self) -> Iterator[None]:
+        """End a contact: weigh its last data, and forget a change that only a release showed."""
+        yield from self.weigh_rest()
+        if self._replaced is not None and (
+                self._outward > self.rhythm.blocks - self._replaced.blocks):
+            yield from self.put_back()
+
+    def put_back(self) -> Iterator[None]:
+        """Put the wall before a change back: it is not known when the zero has stepped."""
+        if self._replaced is None:  # forgotten since
+            return
+        (self._gram, self._odds, self._surfaces, self._scale, self._seconds, self._depth,
+         *_) = self._replaced
+        self._replaced, self._top = None, None
+        self._runs.clear()
+        self._moving.restart(self._gram, float(self._odds[:MOVING].max()))
+        self.changes += 1
+        yield
+        yield from self._judge()
+        self._runs.begin()
+
     def weigh_rest(self) -> Iterator[None]:
         """Weigh hypotheses with the last data of a contact."""
         if self.rhythm.unjudged:
@@ -253,6 +287,7 @@ class WallInference:
                 self._runs.begin(self._touched)
             self._touched = None
         self.rhythm.add(seconds)
+        self._outward = self._outward + 1 if float(phi[RATE].mean()) < 0.0 else 0
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
         off = depth - self._depth
@@ -334,14 +369,24 @@ class WallInference:
         run = int(change.run[best])
         centre, std = float(change.centre[best]), float(change.std[best])
         gram = self._runs.commit(run)
-        surface = self._surfaces[change.place[best]]
-        before = judge(np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-                       hypotheses(np.arange(_LAWS), [surface], self._scale)).evidence
-        most = float(before[:MOVING].max())
-        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
+        if self._replaced is None:
+            self._replaced = Replaced(
+                self._gram - gram, self._odds, self._surfaces, self._scale, self._seconds,
+                self._depth, centre - OUTSIDE * std, self.rhythm.blocks)
+        if change.shifted[best]:
+            rest = (self._gram - gram)[None]
+            gram = shifted(gram + rest, rest, force_step(
+                np.array([self._scale]), self._depth))[0][0]
+            std = max(self._depth, std)
+        else:
+            surface = self._surfaces[change.place[best]]
+            before = judge(np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
+                           hypotheses(np.arange(_LAWS), [surface], self._scale)).evidence
+            most = float(before[:MOVING].max())
+            self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
+            self.changes += 1
         self._gram = gram
         self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
-        self.changes += 1
         self._surfaces = [(centre, std, STILL_THERE),
                           (centre, max(self._depth, std), ELSEWHERE)]
         if self._told[0] == self._told[0]:
@@ -417,6 +462,9 @@ class WallInference:
         self._gram = table @ self._gram @ table.T
         self._moving.move(table)
         self._runs.move(table)
+        if self._replaced is not None:
+            gram = table @ self._replaced.gram @ table.T
+            self._replaced = self._replaced._replace(gram=gram)
         self._x0 += delta
         self._depth = max(self._depth - delta, 1e-5)
         return self._depth

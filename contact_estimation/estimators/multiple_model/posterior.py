@@ -209,6 +209,8 @@ class WallPosterior:
             self._leave(t)
         elif self.contact.state == CONTACT:
             self._touch(t, x)
+        if self.contact.state == FREE and self.wall.zero_has_stepped(x):
+            self._begin_work(self.wall.put_back())
 
     def _learn(self, dt: float, sample: tuple[float, ...], usable: bool) -> None:
         """Add a sample to the block; begin the work on a block that it completes."""
@@ -244,7 +246,7 @@ class WallPosterior:
         if lasted <= _TAP_S + 0.5 * blocks.period_s:
             count = 3 * blocks.smoothing.half + round(lasted / blocks.period_s)
             work = chain(work, self.wall.learn_tap(blocks.last(count)))
-        self._begin_work(chain(work, self.wall.weigh_rest()))
+        self._begin_work(chain(work, self.wall.leave()))
         blocks.wanted = blocks.settled
 
     def _continue_work(self, to_end: bool = False) -> None:

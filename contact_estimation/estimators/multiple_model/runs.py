@@ -9,6 +9,7 @@ from math import log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .constants import CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
@@ -88,13 +89,13 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
-_LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
+_LEAST_BLOCKS = 2  # of another wall: one may hold half of a jump
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
 
 class Change(NamedTuple):
-    """The hypotheses that the wall has changed, against the one that it has not."""
+    """The hypotheses that something has changed, against the one that nothing has."""
 
     odds: Array  # (N,) log odds of each
     judged: Judged  # the wall since then
@@ -104,6 +105,8 @@ class Change(NamedTuple):
     # run, place (N,): index of the run, and of the surface before it
     run: Ints
     place: Ints
+    # (N,) whether it is the same wall and the force is shifted, instead of another wall
+    shifted: NDArray[np.bool_]
 
 
 class Before(NamedTuple):
@@ -113,7 +116,21 @@ class Before(NamedTuple):
     since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
     place: Ints  # (N,) index of its surface: that which explained best what was before
-    law: int  # index of the law
+    what: Hypotheses  # (N,) which wall that is
+    prior: Array  # (N,) log prior of its surface
+    gram: Array  # (16, 16) of all data
+
+
+class Touch(NamedTuple):
+    """Where a contact began."""
+
+    # place, std: of the touch [m]; NaN for a time within a contact
+    place: float
+    std: float
+    again: bool  # whether of a wall that was known, and from outside of it
+
+
+_NO_TOUCH = Touch(nan, nan, False)
 
 
 class Runs:
@@ -137,10 +154,10 @@ class Runs:
         self._grams = np.zeros((RUNS + 1, COLUMNS, COLUMNS))
         self._ages: list[int] = []
         self._seconds: list[float] = []
-        self._touches: list[tuple[float, float]] = []
+        self._touches: list[Touch] = []
 
-    def begin(self, touch: tuple[float, float] = (nan, nan)) -> None:
-        """Begin a run; at a touch, with its position and the standard deviation of that [m]."""
+    def begin(self, touch: Touch = _NO_TOUCH) -> None:
+        """Begin a run, at a touch or without one."""
         count = len(self._ages)
         if count > RUNS:
             self._drop(1 + self._least_useful())
@@ -191,7 +208,8 @@ class Runs:
         what: one law with each of its surfaces
         prior (M,): log prior of these
         """
-        used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
+        again = np.array([touch.again for touch in self._touches], bool)
+        used = np.flatnonzero(np.array(self._ages) >= np.where(again, 1, _LEAST_BLOCKS))
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
@@ -203,7 +221,8 @@ class Runs:
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
         return Before(used, since, Judged(
-            evidence.max(axis=1), judged.theta[best], judged.P[best]), place, int(what.law[0]))
+            evidence.max(axis=1), judged.theta[best], judged.P[best]), place,
+            Hypotheses(*(one[place] for one in what)), prior[place], gram)
 
     def since(
         self, before: Before, scene: Scene, evidence: float, block_s: float
@@ -211,28 +230,37 @@ class Runs:
         """
         Judge the wall since each run, and whether it is another one, in parts.
 
+        At a touch of a known wall the zero of the sensor may have stepped instead.
+
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
         """
-        used, since, judged, place, law = before
+        used, since, judged, place, what, prior, gram = before
         delta, variance = surfaces(judged)
         reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
         delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
-        touches, doubts = np.array(self._touches)[used].T
-        at_touch = touches == touches
-        touched = np.flatnonzero(at_touch)  # there, the surface may be another one too
-        run = np.concatenate([np.arange(len(used)), touched])
-        centre = np.concatenate([scene.x0 + delta, touches[touched]])
-        std = np.concatenate([np.sqrt(variance) + _KEPT_STD, doubts[touched]])
-        new = log(0.5 * NEW_WALL)
-        hazard = np.where(at_touch, new, log(self.changes / self.seconds * block_s))
-        prior = np.concatenate([hazard, np.full(len(touched), new)])
+        near, near_std = scene.x0 + delta, np.sqrt(variance) + _KEPT_STD
+        touches, doubts, again = np.array(self._touches)[used].T
+        old = np.flatnonzero(np.array(self._ages)[used] >= _LEAST_BLOCKS)
+        touched = old[touches[old] == touches[old]]  # the surface may be another one too
+        known = np.flatnonzero(again)  # the wall may be the same
+        run = np.concatenate([old, touched, known])
+        same = np.arange(len(run)) >= len(run) - len(known)
+        centre = np.concatenate([near[old], touches[touched], near[known]])
+        std = np.concatenate([near_std[old], doubts[touched], near_std[known]])
+        hazard = np.where(touches[run] == touches[run], log(0.5 * NEW_WALL),
+                          log(self.changes / self.seconds * block_s))
         grams = since[run]
         stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
+        grams[same], cost = shifted(gram, since[known], force_step(
+            what.stiffness[known], scene.depth))
         found = yield from judge_in_parts(grams, scene, Hypotheses(
-            np.full(len(run), law), stiffness, centre, std))
-        odds = judged.evidence[run] + found.evidence - evidence + prior
-        return Change(odds, found, centre, std, used[run], place[run])
+            what.law[run], *(np.where(same, kept[run], other) for kept, other in zip(
+                what[1:], (stiffness, centre, std)))))
+        odds = found.evidence - evidence + hazard
+        odds[same] += cost + prior[known]
+        odds[~same] += judged.evidence[run[~same]]
+        return Change(odds, found, centre, std, used[run], place[run], same)
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
@@ -242,6 +270,24 @@ class Runs:
         if not touched:
             self.changes += 1.0
         return gram
+
+
+def force_step(stiffness: Array, depth: float) -> Array:
+    """Return the variance of a shift of the force: as much as the force itself [N^2]."""
+    return np.square(stiffness * depth)
+
+
+def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
+    """
+    Return data in a part of which the force may have shifted, and what the evidence loses.
+
+    gram, part (16, 16), (N, 16, 16): of all data, and of the part
+    variance (N,): of the shift [N^2]
+    """
+    column = part[:, ONE]
+    told = 1.0 + variance * column[:, ONE]
+    taken = (variance / told)[:, None, None] * column[:, :, None] * column[:, None, :]
+    return gram - taken, -0.5 * np.log(told)
 
 
 def decided(change: Change | None) -> int:
