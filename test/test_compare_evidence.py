@@ -102,6 +102,15 @@ def test_order_of_models(base: Sequence[float], best: Scored, worse: Scored) -> 
     assert evidence(scored(base), constants).ranked([worse, best]) == [best, worse]
 
 
+@pytest.mark.parametrize('share, named', [(0.9, False), (1.5, True)])
+def test_no_law_is_exact_to_less_than_a_force_sensor_is(share: float, named: bool) -> None:
+    range_in_noise = 2000.0  # of block means, so that its 0.05 % are as large as the noise
+    base, law = scored(1.0 + share**2), scored(1.0, 'a')
+    instrument = np.array([(CONSTANTS.instrument * range_in_noise) ** 2, 0.0])
+    found = replace(evidence(base), instrument=instrument)
+    assert (found.score(law) > found.score(base)) is named
+
+
 @pytest.mark.parametrize('rounding', [-1e-12, 0.0, 1e-12])
 def test_ties_follow_the_prior_order_and_share_their_weight(rounding: float) -> None:
     first, second = scored(5.0 * (1.0 + rounding), 'a'), scored(5.0, 'b')

@@ -25,6 +25,8 @@ class Constants(NamedTuple):
     # share of the squared misfit that an exact law leaves: integration, the course of a signal
     # between samples
     exact: float
+    # error of an accurate force sensor, as a share of the range of the force: OIML R 60, class C2
+    accuracy: float
     # weight of the errors on parts left out; that on the parts as fitted has the rest (.632
     # bootstrap: B. Efron, JASA 78, 1983)
     left_out: float

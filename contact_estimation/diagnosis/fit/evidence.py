@@ -178,6 +178,7 @@ class Evidence:
         """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
         c, expected, n = self.constants, one.expected(self.constants), one.counts
         noise = self._noise_on(expected) * (1.0 + c.exact * self.misfit)
+        noise = noise + (c.accuracy / c.instrument) ** 2 * self.instrument
         exact = -0.5 * n * np.maximum(expected / noise - 1.0, 0.0)
         k = np.minimum(n, c.independent)
         d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit
