@@ -111,7 +111,7 @@ class RowEstimation:
             return self._published(), _FROZEN, _REASONS[frozen]
         longest = 2.0 / self._p.sample_rate  # never integrate over a gap
         (estimate,) = self.estimator.update(
-            ((min(dt, longest), row),), posterior.wall.variance_of(pressing), frozen)
+            ((min(dt, longest), row),), posterior.wall.residuals.variance_of(pressing), frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
             return self._published(), _FROZEN, 'not finite; reset to the initial values'

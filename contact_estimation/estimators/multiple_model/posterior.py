@@ -10,6 +10,7 @@ from math import isfinite, nan
 from typing import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .blocks import Blocks, FIRST
 from .contact import CONTACT, ContactFilter, FREE
@@ -67,10 +68,10 @@ class WallPosterior:
     """
     Hypotheses of contact, law, surface and changes of a wall, weighed by their evidence.
 
-    Samples are judged for contact one by one. In contact every 20 ms of them become a block: rows
-    of smoothed columns, in which every law is linear, and their Gram matrix. A hypothesis is a
-    small linear fit of some columns to the sum of these matrices. What contacts add up is carried
-    from one to the next.
+    Samples are judged for contact one by one. In contact they become blocks, of 20 ms while the
+    wall is new or surprises, later of 40 and 160 ms: rows of smoothed columns, in which every law
+    is linear, and their Gram matrix. A hypothesis is a small linear fit of some columns to the sum
+    of these matrices. What contacts add up is carried from one to the next.
 
     location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
     lag: prior of the lag of the force sensor [s]
@@ -192,7 +193,7 @@ class WallPosterior:
         count = max(blocks.wanted - blocks.pending, 1)
         if self.contact.state == CONTACT and blocks.wanted == blocks.settled:
             shorts = blocks.shorts(later[:count])
-            alarms = np.flatnonzero(self.wall.alarms(shorts)) if shorts.size else _NONE
+            alarms = np.flatnonzero(self._alarms(shorts)) if shorts.size else _NONE
             if len(alarms):
                 count = blocks.short * (int(alarms[0]) + 1) - blocks.pending % blocks.short
         return count
@@ -219,8 +220,11 @@ class WallPosterior:
         if windows:
             self._begin_work(self.wall.parts_of(windows))
         elif taught and blocks.pending and blocks.wanted == blocks.settled and not (
-                blocks.pending % blocks.short) and self.wall.alarms(blocks.shorts(_NONE))[0]:
+                blocks.pending % blocks.short) and self._alarms(blocks.shorts(_NONE))[0]:
             self._split()
+
+    def _alarms(self, shorts: Array) -> NDArray[np.bool_]:
+        return self.wall.residuals.alarms(self.known, shorts)
 
     def _split(self) -> None:
         """Make a block of its own of the last samples, from which the wall may be another."""

@@ -52,20 +52,6 @@ class Knowledge(NamedTuple):
                 hypot(self.damping_std, self.varies[1] * self.damping))
 
 
-class Replaced(NamedTuple):
-    """The wall before the first change since a touch."""
-
-    gram: Array  # (16, 16) of its blocks
-    odds: Array  # of its laws
-    surfaces: list[tuple[float, float, float]]
-    # scale [N/m], seconds [s], depth [m]: of the priors, and mean penetration
-    scale: float
-    seconds: float
-    depth: float
-    surface: float  # outside of which the tool is free [m]
-    blocks: int  # so far
-
-
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
 _CORRELATED = 4.0  # times the variance that white noise would leave
 _ELSE = 2e-7  # share of K_e in the second coefficient that is no lag: 0.4 ms of one [s^2]

@@ -1,0 +1,173 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The sufficient statistics of a wall: Gram matrices of its blocks, and scales of the priors."""
+
+from __future__ import annotations
+
+from math import exp, inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from .constants import (
+    ANYWHERE_M, AS_TOLD, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, NEAR, STILL_THERE)
+from .evidence import Hypotheses, hypotheses, judge, Scene
+from .laws import (
+    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, NAMES, RATE, shifted_table)
+from .runs import Change, force_step, Runs, shifted
+from .slow_states import MovingWall, OUTSIDE
+
+LEAST_STIFFNESS, _STIFFEST = 30.0, 1e6  # of a wall that is not known [N/m]
+_SCALES: Array = np.geomspace(LEAST_STIFFNESS, _STIFFEST, 16)
+_DEPTH_S = 1.0  # over which the mean depth is taken
+_RECENT_S = 0.5  # of the last data, at least
+_FARTHEST = 20.0  # log odds of a law of the wall before a change
+
+
+class Replaced(NamedTuple):
+    """The wall before the first change since a touch: the attributes of its statistics."""
+
+    gram: Array
+    odds: Array
+    surfaces: list[tuple[float, float, float]]
+    scale: float
+    seconds: float
+    depth: float
+    edge: float  # outside of which the tool is free [m]
+
+
+class WallStatistics:
+    """
+    What the blocks of a wall add up to; its hypotheses are judged by this alone.
+
+    location, std: x_e as told, NaN where unknown, and its standard deviation [m]
+    gram (16, 16): sum of the Gram matrices of all blocks, the older, the less
+    moving, runs: the same of a wall that moves, and since every time of a possible change
+    odds: log odds of each law
+    surfaces: where the surface may be: place, its standard deviation [m], probability
+    x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
+    scale, seconds: K_e [N/m] and B_e / K_e [s] for the priors
+    replaced: the wall before the first change since a touch; None without one
+    """
+
+    def __init__(self, location: float, std: float) -> None:
+        self._told = location
+        self.gram, self.moving, self.runs = np.zeros((COLUMNS, COLUMNS)), MovingWall(), Runs()
+        self.odds = LOG_PRIOR.copy()
+        self.surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
+                         (location, ANYWHERE_M, ELSEWHERE)]
+        self.x0 = location if location == location else 0.0
+        self.depth, self.scatter, self._depth_s = 1e-3, 0.0, 0.0
+        self.scale, self.seconds = 1e3, DAMPING_S
+        self.replaced: Replaced | None = None
+
+    def look_near(self, surface: float, std: float) -> None:
+        """Expect the surface at a place [m]."""
+        self.surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
+
+    @property
+    def place_prior(self) -> Array:
+        """Return the log prior of each surface."""
+        return np.log([probability for _, _, probability in self.surfaces])
+
+    def add(self, gram: Array, phi: Array, seconds: float) -> None:
+        """Add a block that lasts so long; the older, the less."""
+        fade = exp(-seconds / FADE_S)
+        self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
+        depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
+        off = depth - self.depth
+        self.scatter = (1.0 - gain) * (self.scatter + gain * off * off) + gain * float(
+            phi[DEPTH].var())
+        self.depth += gain * off
+        self.gram *= fade
+        self.gram += gram
+        self.runs.add(gram, fade, seconds)
+        self.moving.add(gram, fade, seconds, self.scale)
+        self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
+
+    def move_to(self, surface: float) -> float:
+        """Move the reference of the columns to a place [m]; return the mean depth from there."""
+        delta = surface - self.x0
+        table = shifted_table(delta)
+        self.gram = table @ self.gram @ table.T
+        self.moving.move(table)
+        self.runs.move(table)
+        if self.replaced is not None:
+            gram = table @ self.replaced.gram @ table.T
+            self.replaced = self.replaced._replace(gram=gram)
+        self.x0 += delta
+        self.depth = max(self.depth - delta, 1e-5)
+        return self.depth
+
+    def rescale(self, K: float, B: float, least: float, lag: float = 0.0) -> None:
+        """Scale the priors by K_e, at least, and by B_e less what a lag has taken from it."""
+        self.scale = max(K, least)
+        self.seconds = max(B / self.scale + lag, 0.0)
+
+    def find_scale(self, scene: Scene) -> None:
+        """Find the stiffness that scales the priors of a wall that is not known."""
+        centre, std, prior = np.tile(np.array(self.surfaces).T, len(_SCALES))
+        scales = np.repeat(_SCALES, len(self.surfaces))
+        what = Hypotheses(np.full(len(centre), KELVIN_VOIGT), scales, centre, std)
+        found = judge(np.repeat(self.gram[None], len(centre), axis=0), scene, what)
+        odds = found.evidence + np.log(prior)
+        odds[found.theta[:, 0] <= 0.0] = -inf
+        K, B = found.theta[int(np.argmax(odds)), :2].tolist()
+        self.rescale(K, B, LEAST_STIFFNESS, scene.lag[0])
+
+    def excitation(self) -> tuple[float, float]:
+        """
+        Return relative standard deviations of K_e and B_e that recent data would leave alone.
+
+        The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
+        """
+        K, B = self.scale, max(self.seconds, DAMPING_S) * self.scale
+        (kk, kb), (_, bb) = self.runs.recent(_RECENT_S)[
+            np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
+        determinant = kk * bb - kb * kb
+        if kk <= 0.0:
+            return inf, inf
+        if determinant <= 1e-12 * kk * bb:
+            return 1.0 / (K * sqrt(kk)), inf
+        return sqrt(bb / determinant) / K, sqrt(kk / determinant) / B
+
+    # -- changes ----------------------------------------------------------------------------
+
+    def commit(self, change: Change, best: int, scene: Scene, gap: float) -> bool:
+        """
+        Drop the wall before a change; what was told of laws and motion stays a prior.
+
+        gap: log odds of a moving wall, at most 0
+        Returns other: whether the wall is another, not the zero of the sensor
+        """
+        centre, std = float(change.centre[best]), float(change.std[best])
+        other = not change.shifted[best]
+        gram = self.runs.commit(int(change.run[best]))
+        before = self.gram - gram
+        if self.replaced is None:
+            self.replaced = Replaced(before, self.odds, self.surfaces, self.scale, self.seconds,
+                                     self.depth, centre - OUTSIDE * std)
+        if other:
+            surface = self.surfaces[change.place[best]]
+            evidence = judge(np.repeat(before[None], len(NAMES), axis=0), scene, hypotheses(
+                np.arange(len(NAMES)), [surface], self.scale)).evidence
+            self.odds = np.maximum(
+                self.odds + evidence - float(evidence[:MOVING].max()), LOG_PRIOR - _FARTHEST)
+        else:
+            gram = shifted(gram + before[None], before[None], force_step(
+                np.array([self.scale]), self.depth))[0][0]
+            std = max(self.depth, std)
+        self.gram = gram
+        self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
+        self.surfaces = [(centre, std, STILL_THERE), (centre, max(self.depth, std), ELSEWHERE)]
+        if self._told == self._told:
+            self.surfaces.append((self._told, EXACT_SURFACE_M, 1.0 - STILL_THERE))
+        return other
+
+    def put_back(self, before: Replaced) -> None:
+        """Put the wall before a change back, since what has changed was the zero."""
+        (self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth, _) = before
+        self.replaced = None
+        self.runs.clear()
+        self.moving.restart(self.gram, float(self.odds[:MOVING].max()))
