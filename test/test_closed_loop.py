@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
-from contact_estimation.pipeline.axis_pipeline import LOCATING
+from contact_estimation.pipeline.posterior_estimation import LOCATING
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with, Run
 import numpy as np

@@ -164,7 +164,7 @@ def test_offset_corrects_the_stamps_either_way(milliseconds: int) -> None:
 def test_location_nan_takes_the_surface_at_the_first_touch(samples: list[ContactSample]) -> None:
     session, estimates = fed(samples, at(0.4), environment__location=nan)
     last = estimates[-1][0]
-    assert abs(last.location - 0.4) < 3.0 * session.pipeline.surface_std < 4e-3
+    assert abs(last.location - 0.4) < 3.0 * session.pipeline.surface.std < 4e-3
     K = K_E if samples is HEALTHY else 200.0
     assert abs(last.stiffness - K) < 3.0 * last.stiffness_std
     assert all(isnan(axes[0].location) for axes in estimates[:150])

@@ -5,13 +5,15 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, nan
 from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..estimators.estimate import ParameterEstimate
+from ..estimators.multiple_model.contact import ContactFilter
+from ..signals.conditioning import ZeroTracker
 
 _FIRST = 5  # samples of contact
 
@@ -24,19 +26,52 @@ class LastingError:
     for each contact, by cov((x, v))^-1 cov((x, v), e), and without one, where the surface is
     known, by the same of moments about the surface: the larger counts. Errors of several causes,
     each given with the course that one standard deviation of its size has, add in squares.
+
+    contact: of which the noise and the level of the force are
     """
 
-    def __init__(self) -> None:
+    def __init__(self, contact: ContactFilter) -> None:
+        self._contact = contact
+        self.restart()
         self._means: NDArray[np.float64] | None = None
         self._sums: NDArray[np.float64] | None = None  # about the means, and about the surface
         self._own = self._count = 0
 
-    def end(self) -> None:
-        """End a contact."""
-        self._own = 0
+    def restart(self) -> None:
+        """Take no rate from the position before the next sample."""
+        self._last_d = nan
 
-    def add(self, d: float, v: float, errors: Sequence[float]) -> None:
-        """Add a sample in contact: depth [m], its rate [m/s] and each error [N]."""
+    def follow_zero(self, tracker: ZeroTracker, pressing: float) -> None:
+        """Let the tracker alone follow the zero; the filter of the contact finds what it is."""
+        contact, noise = self._contact, self._contact.noise_std
+        if contact.level:
+            tracker.step(contact.level, contact.level_variance / noise**2)
+        elif contact.is_quiet:
+            tracker.correct(pressing, noise)
+        contact.set_level(0.0, (tracker.zero_std * noise)**2)
+
+    def note(
+        self, touching: bool, dt: float, d: float, v: float, errors: tuple[float, ...],
+        tracker: ZeroTracker | None,
+    ) -> None:
+        """
+        Add up what errors may have done to the estimate.
+
+        touching: whether the sample is in contact
+        dt, d, v: time since the last sample [s], depth [m], measured rate, NaN without [m/s]
+        errors, tracker: of the force [N], and that of its zero
+        """
+        rate = v if v == v else (d - self._last_d) / dt if dt > 0.0 else 0.0
+        self._last_d = d
+        if errors:
+            self._contact.expect_noise(hypot(*errors))
+        if not touching or rate != rate:
+            self._own = 0
+            return
+        of_zero = (tracker.zero_std * self._contact.noise_std,) if tracker is not None else ()
+        self._add(d, rate, (*errors, *of_zero))
+
+    def _add(self, d: float, v: float, errors: Sequence[float]) -> None:
         row = np.array([d, v, *errors])
         if self._sums is None or self._sums.shape[1] != len(row):
             self._sums, self._own, self._count = np.zeros((2, len(row), len(row))), 0, 0

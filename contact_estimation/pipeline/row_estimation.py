@@ -8,16 +8,21 @@ from __future__ import annotations
 from math import isfinite, nan, sqrt
 
 from .parameters import EstimationParameters
+from .posterior_estimation import LOCATING, NEITHER, without_band
+from .surface import Surface
 from ..estimators import ESTIMATORS
 from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.multiple_model import WallPosterior
+from ..estimators.multiple_model import CONTACT, FREE, WallPosterior
+from ..reference.setpoints import Reference
 from ..signals.conditioning import OutlierGate
 from ..signals.contact_sample import CompensatedSample
 from ..signals.filters import ButterworthBank
 from ..signals.relations import GatedRows, Row
 
-_FROZEN, _ESTIMATING = EstimateStatus.FROZEN, EstimateStatus.ESTIMATING
+_FREE, _ESTIMATING, _FROZEN = (
+    EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
+_WEAK = 'force within the noise'
 _REASONS = {
     Frozen(False, False): '',
     Frozen(False, True): 'damping frozen: weak excitation',
@@ -31,13 +36,21 @@ _ELSEWHERE = 4.0  # the same of a surface, which is looked at with every row
 
 
 class RowEstimation:
-    """Rows of an estimator's relation, its updates, and restarts where the wall has changed."""
+    """
+    Rows of an estimator's relation, its updates, and restarts where the wall has changed.
 
-    def __init__(self, parameters: EstimationParameters, posterior: WallPosterior) -> None:
-        p, self._posterior = parameters, posterior
-        self._p = p
+    held: the last estimate, from which the estimator starts
+    """
+
+    def __init__(
+        self, parameters: EstimationParameters, posterior: WallPosterior, surface: Surface,
+        held: ParameterEstimate,
+    ) -> None:
+        self._p = p = parameters
+        self._posterior, self._surface, self.held = posterior, surface, held
         self.estimator: OnlineEstimator = ESTIMATORS[p.estimator](
             getattr(p.tuning, p.estimator), p.environment, 1.0 / p.sample_rate)
+        self.estimator.start_from(*self.estimator.within_limits(*held[:2]))
         conditioning = p.conditioning
         self._gate = OutlierGate(conditioning.outlier_threshold, conditioning.outlier_samples)
         self._rows = GatedRows(
@@ -61,31 +74,55 @@ class RowEstimation:
         self._rate.reset()
         self._last_x = nan
 
-    def rate_of(self, dt: float, x: float, v: float) -> float:
+    def observe(
+        self, dt: float, x: float, v: float, force: float, reference: Reference
+    ) -> None:
+        """Let an estimator that follows the reference see the robot, in contact or not."""
+        if self.estimator.follows_reference and reference[0] == reference[0]:
+            self.estimator.observe(dt, x, self._rate_of(dt, x, v), force, reference)
+
+    def _rate_of(self, dt: float, x: float, v: float) -> float:
         """Return a measured rate [m/s], or that of the filtered differences of the positions."""
         raw = (x - self._last_x) / dt if dt > 0.0 and self._last_x == self._last_x else 0.0
         self._last_x = x
         return self._rate.take((raw,))[0] if v != v else v
 
-    def leave(self, over: bool) -> ParameterEstimate:
-        """Keep the estimate where nothing presses; whether the contact is over."""
-        self._rows.leave()
-        self._gate.leave()
-        self._touched = self._touched and not over
-        return self._published()
-
     def take(
-        self, dt: float, depth: float, v: float, pressing: float,
-        known: CompensatedSample | None, found: float,
+        self, dt: float, x: float, v: float, pressing: float, known: CompensatedSample | None,
+        state: int,
     ) -> tuple[ParameterEstimate, EstimateStatus, str]:
+        """
+        Process a sample; return the estimate, its status, and the reason for that.
+
+        dt: time since the last sample [s]
+        x, v, pressing: position [m], its measured rate (NaN without) [m/s], force [N]
+        known: what known physics leave; None without any
+        state: of the contact
+        """
+        contact = self._posterior.contact
+        if state != CONTACT or not contact.exceeds_noise(pressing):
+            self._rows.leave()
+            self._gate.leave()
+            self._touched = self._touched and state == CONTACT
+            status, reason = _FROZEN, _WEAK
+            if state != CONTACT:
+                status, reason = _FREE, '' if state == FREE else NEITHER
+        else:
+            depth = x - self._surface.location
+            if depth != depth or known is not None and known.hindrance:
+                self.restart()
+                return self.held, _FROZEN, LOCATING
+            status, reason = self._update(dt, depth, v, pressing - contact.level, known)
+        self.held = self._published()
+        return self.held, status, reason
+
+    def _update(
+        self, dt: float, depth: float, v: float, pressing: float, known: CompensatedSample | None
+    ) -> tuple[EstimateStatus, str]:
         """
         Update with a sample in contact.
 
-        dt: time since the last sample [s]
-        depth, v, pressing: x less the nominal surface [m], its measured rate (NaN without) [m/s],
-        force [N]
-        known: what known physics leave; None without any
-        found: where the posterior is sure of the surface, less the nominal one [m]; else NaN
+        depth, pressing: x less the nominal surface [m]; force above that of free flight [N]
         """
         posterior = self._posterior
         if not self._touched:
@@ -99,8 +136,9 @@ class RowEstimation:
             rest = self._gate.replace(known.travel, known.rest, deviation)
             row = self._rows.compensated(dt, known._replace(rest=rest))
         if row is None:
-            return self._published(), _FROZEN, 'waiting for consecutive samples'
+            return _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
+        found = self._surface.found_offset
         elsewhere = abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std
         if elsewhere and self._p.tracking.restarts:
             self._shift = found
@@ -108,15 +146,15 @@ class RowEstimation:
         row = y, f_K - self._shift * f_c, f_B, f_c, f_M  # the linear filter passes it unchanged
         frozen = self._frozen()
         if frozen.stiffness and frozen.damping:
-            return self._published(), _FROZEN, _REASONS[frozen]
+            return _FROZEN, _REASONS[frozen]
         longest = 2.0 / self._p.sample_rate  # never integrate over a gap
         (estimate,) = self.estimator.update(
             ((min(dt, longest), row),), posterior.wall.residuals.variance_of(pressing), frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
-            return self._published(), _FROZEN, 'not finite; reset to the initial values'
+            return _FROZEN, 'not finite; reset to the initial values'
         self._updated = True
-        return self._published(), _ESTIMATING, _REASONS[frozen]
+        return _ESTIMATING, _REASONS[frozen]
 
     def _begin_contact(self) -> None:
         """Let what was learned in the last contact be a prior: the wall may be another."""
@@ -149,7 +187,7 @@ class RowEstimation:
         """Add what the posterior does not know, and where it differs, to the deviations."""
         own, now = self.estimator.current(), self._posterior.known
         if not self._updated:
-            return own._replace(stiffness_std=nan, damping_std=nan)
+            return without_band(own)
         if now.stiffness_std != now.stiffness_std:
             return own
         off = own.stiffness - now.stiffness, own.damping - now.damping

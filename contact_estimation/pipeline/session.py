@@ -5,16 +5,17 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter
 from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .agenda import Agenda
 from .arm_kinematics import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
 from .axes import AxesEstimation, Moment, Result
-from .axis_pipeline import EstimationPipeline, NO_REFERENCE
+from .axis_pipeline import EstimationPipeline
 from .parameters import EstimationParameters
 from .reference_stream import ReferenceStream
 from ..estimators.estimate import AxesEstimates, new_tuple
@@ -71,7 +72,6 @@ class ContactSession:
         self.pipelines, self.checks = self._axes.pipelines, self._axes.checks
         self.pipeline, *self._further = self.pipelines.values()
         self.matrix = self._axes.matrix
-        self._followed = NO_REFERENCE  # along the contact axis; further axes have no reference
         self.rejection_texts: dict[str, str] = {}  # by reason, of the last rejection
         self.notices: dict[str, str] = {}  # by name, warnings that stay until taken out
         self.last_stamp_ns, self.last_position, self.last_force = BEFORE_ANY, nan, nan
@@ -89,11 +89,8 @@ class ContactSession:
             self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
-        # Both wait for their moments, which as plain tuples take a tenth of the time to make.
-        self._actions: deque[tuple[Moment, Callable[[], object]]] = deque()
-        self._references: deque[tuple[tuple[int, int], Reference]] = deque()
+        self._agenda = Agenda()
         self._follows_reference = self.pipeline.follows_reference
-        self._jumps = 0
 
     def describe(self, description: str) -> None:
         """
@@ -132,7 +129,7 @@ class ContactSession:
     @property
     def moment(self) -> Moment:
         """Return the last sample processed."""
-        return Moment(self._jumps, self.last_stamp_ns)
+        return Moment(self._agenda.jumps, self.last_stamp_ns)
 
     def add_wrench(self, stamp_ns: int, *forces: float) -> list[Result]:
         """
@@ -193,11 +190,11 @@ class ContactSession:
         self.checks.joint_stamps.extend(stamps_ns)
         estimates: list[AxesEstimates] = []
         columns = list(zip(positions, velocities, forces))
-        begin, count = 0, len(stamps_ns)
+        begin, count, agenda = 0, len(stamps_ns), self._agenda
         while begin < count:
-            if self._references or self._actions:
-                self._apply_due(int(stamps_ns[begin]))
-            end = min(count, begin + self.checks.room, self._next_due(stamps_ns))
+            if agenda.references or agenda.actions:
+                agenda.apply(int(stamps_ns[begin]))
+            end = min(count, begin + self.checks.room, agenda.next_due(stamps_ns))
             if end - begin < _FEW or self._follows_reference or self.matrix.runs:
                 end = begin + 1
                 one = stamps_ns[begin].item()
@@ -210,15 +207,6 @@ class ContactSession:
                     stamps_ns[part], [[column[part] for column in own] for own in columns])
             begin = end
         return estimates
-
-    def _next_due(self, stamps_ns: NDArray[np.int64]) -> int:
-        """Return the first sample before which an action or a reference is due."""
-        begins = [len(stamps_ns)]
-        for waiting, after in ((self._actions, 1), (self._references, 0)):
-            if waiting and waiting[0][0][0] == self._jumps:
-                due_ns = waiting[0][0][1] + after
-                begins.append(int(np.searchsorted(stamps_ns, due_ns)))
-        return min(begins)
 
     def _estimate_many(
         self, stamps_ns: NDArray[np.int64], columns: Sequence[Columns]
@@ -239,14 +227,14 @@ class ContactSession:
         self.rejection_texts[reason] = text
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
-        results: list[Result] = []
+        results, agenda = list[Result](), self._agenda
         if self._synchroniser.jumped:
             self._restart_time()
         if self._generates:
             self.stream.arrive(self._synchroniser.newest_ns)
         for paired in samples:
-            if self._references or self._actions:
-                self._apply_due(paired[0][0])
+            if agenda.references or agenda.actions:
+                agenda.apply(paired[0][0])
             axes, state = paired, None
             if self.arm is not None:
                 axes, state = self._along_normal(self.arm, paired)
@@ -256,7 +244,7 @@ class ContactSession:
             if self._generates:
                 reference = self.stream.step(sample, estimates[0])
                 if self._follows_reference:
-                    self._references.append(((self._jumps, follow_ns), reference))
+                    agenda.references.append(((agenda.jumps, follow_ns), reference))
             results.append(new_tuple(Result, (sample, estimates, follow_ns, reference, state)))
         return results
 
@@ -274,8 +262,8 @@ class ContactSession:
         """Estimate from the next sample, for which all that is due has been applied."""
         sample = axes[0]
         self.last_stamp_ns, self.last_position, _, self.last_force = sample
-        estimates: AxesEstimates = (self.pipeline.take(sample, self._followed),)
-        if len(axes) > 1:
+        estimates: AxesEstimates = (self.pipeline.take(sample, self._agenda.followed),)
+        if len(axes) > 1:  # further axes have no reference
             estimates += tuple(map(EstimationPipeline.take, self._further, axes[1:]))
         self.estimates = estimates
         self.checks.add(axes, estimates)
@@ -283,19 +271,10 @@ class ContactSession:
             self.matrix.process(axes, estimates)
         return estimates
 
-    def _apply_due(self, stamp_ns: int) -> None:
-        """Call the actions that are due before a sample, and follow the newest reference."""
-        now, actions, references = (self._jumps, stamp_ns), self._actions, self._references
-        while actions and actions[0][0] < now:
-            actions.popleft()[1]()
-        while references and references[0][0] <= now:
-            self._followed = references.popleft()[1]
-
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
-        self._jumps += 1
         self._axes.restart_time()
-        self._followed = NO_REFERENCE
+        self._agenda.change_clock()
         self.stream.change_clock()
         self.last_stamp_ns = BEFORE_ANY
 
@@ -317,11 +296,11 @@ class ContactSession:
             Number of backward clock jumps before it.
 
         """
-        self._references.append(((jumps, stamp_ns), reference))
+        self._agenda.references.append(((jumps, stamp_ns), reference))
 
     def schedule(self, after: Moment, action: Callable[[], object]) -> None:
         """Schedule a call after one sample and before the next, in the order of the samples."""
-        self._actions.append((after, action))
+        self._agenda.actions.append((after, action))
 
     def change_parameters(self, changes: Mapping[str, Any]) -> None:
         """

@@ -41,15 +41,15 @@ def tracked_zero(
     found = pipeline.process(map(ContactSample, stamp_ns.tolist(), x.tolist(),
                                  np.full(len(x), np.nan).tolist(), force.tolist()))
     free = np.array([one.status is EstimateStatus.FREE for one in found])
-    free |= x < pipeline.location - pipeline.location_margin
+    free |= x < pipeline.surface.location - pipeline.surface.margin
     t = 1e-9 * (stamp_ns - stamp_ns[0])
-    noise = max(pipeline.noise_std, parameters.contact.force_noise)
+    noise = max(pipeline.posterior.contact.noise_std, parameters.contact.force_noise)
     resting = bool(parameters.tool.mass) or not parameters.kinematics.tip  # else a weight turns
     steps = zero_steps(t[free], force[free], noise, resting)
     steady, followed = force.copy(), np.zeros(len(t))
     for step in steps:
         steady[t >= step.end] -= step.size
-        if step.end - step.begin < _AT_ONCE * pipeline.sample_period_s:
+        if step.end - step.begin < _AT_ONCE * pipeline.posterior.period_s:
             followed[t >= step.end] += step.size
     times, levels = [], []
     for window in np.split(np.flatnonzero(free), _ends(t, free)):

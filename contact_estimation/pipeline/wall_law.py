@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import nan
 from typing import NamedTuple, Sequence
 
-from ..estimators.multiple_model import LAWS
+from ..estimators.multiple_model import Knowledge, LAWS
 
 
 _NOTABLE_RATIO = 2.0  # residual rms over what noise and the usual error of a model explain
@@ -39,17 +39,18 @@ class ModelFitMonitor:
     def reset(self) -> None:
         """Forget all judgements."""
         self.now, self.worst, self.count = NO_FIT, NO_FIT, 0
+        self._noted: Knowledge | None = None
 
-    def note(self, ratio: float, law: str, stamp_ns: int) -> None:
-        """
-        Judge a ratio.
-
-        stamp_ns: of the sample [ns]
-        """
-        text = ''
+    def note(self, known: Knowledge, stamp_ns: int) -> None:
+        """Judge the fit of what is known since a sample in contact, by its stamp [ns]."""
+        ratio, text = known.fit, ''
+        if known is self._noted or ratio != ratio:
+            return
+        self._noted = known
         if ratio > _NOTABLE_RATIO:
-            text = (f'residuals are {ratio:.2g} times the noise under the best law ({law}): none '
-                    'of the laws fits; record a contact and diagnose it')
+            text = (f'residuals are {ratio:.2g} times the noise under the best law '
+                    f'({LAWS[_leader(known.laws)]}): none of the laws fits; record a contact and '
+                    'diagnose it')
             if not self.now.text:
                 self.count += 1
         self.now = Fit(ratio, text, stamp_ns)

@@ -203,20 +203,21 @@ class EstimatorDiagnostics:
                 ('stiffness', 'damping'), pipeline.posterior.wall.excitation)},
             'force_lag_ms': '{:.2f} +- {:.2f}'.format(
                 *(1e3 * s for s in pipeline.posterior.wall.lag.lag)),
-            'force_noise_std': f'{pipeline.noise_std:.6g}',
+            'force_noise_std': f'{pipeline.posterior.contact.noise_std:.6g}',
             'force_bias': f'{pipeline.bias:.6g}',
-            'free_flight_level': f'{pipeline.free_flight_level:.6g}',
+            'free_flight_level': f'{pipeline.posterior.contact.level:.6g}',
         }
         if estimate is None:
             return values
+        estimator = pipeline.estimator
         details = {f'{parameters.estimator}_{name}': f'{value:.8g}'
-                   for name, value in pipeline.details.items()}
+                   for name, value in (estimator.details if estimator else {}).items()}
         return {**values, **_values_of(estimate), **_fit_of(pipeline.model_fit), **details}
 
     def _problems(self, session: ContactSession) -> dict[str, Any]:
         values: dict[str, Any] = {
             'missing': session.pipeline.missing,
-            'outliers': session.pipeline.outliers,
+            'outliers': session.pipeline.posterior.blocks.outliers,
             'time_jumps': session.time_jumps,
             'errors': self.errors,
         }

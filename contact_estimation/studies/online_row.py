@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .online_worlds import Array, Piece, ramp, Sensor, sines, start, Stream, Wall, World
 from ..estimators.estimate import EstimateStatus
+from ..estimators.multiple_model import LAWS
 from ..parameters import changed
 from ..physics.prior import log_uniform
 from ..pipeline.axes import Result
@@ -80,7 +81,7 @@ def follow(world: World, more: Mapping[str, Any] | None = None) -> Trace:
             if t >= look:
                 look = t + _LOOK_S
                 warnings += [(t, one.name, one.text) for one in session.checks.warnings()]
-                laws.append((t, session.pipeline.laws))
+                laws.append((t, dict(zip(LAWS, session.pipeline.posterior.known.laws))))
     except Exception as raised:  # whatever it is, it is what the study looks for
         error = f'{type(raised).__name__}: {raised}'
     t, K, B, K_std, B_std, location, contact = np.array(rows or [(nan,) * 7]).T

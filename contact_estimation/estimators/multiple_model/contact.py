@@ -18,6 +18,8 @@ from .constants import (
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
+_PRESSES = 2.0  # standard deviations below which no force is used
+_SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -100,6 +102,20 @@ class ContactFilter:
     def variance(self) -> float:
         """Variance of the noise of the force, as if it were white [N^2]."""
         return self._noise[0] * self._colour.excess
+
+    @property
+    def noise_std(self) -> float:
+        """Standard deviation of the noise of the force [N]."""
+        return sqrt(self.variance)
+
+    @property
+    def threshold(self) -> float:
+        """Force at which a contact is seen within a few samples [N]."""
+        return max(_SEEN * self.noise_std, self.minimum_force)
+
+    def exceeds_noise(self, force: float) -> bool:
+        """Return whether a force is above the noise [N]: the end of a contact is seen late."""
+        return force - self.level > _PRESSES * self.noise_std
 
     def keep(self, other: ContactFilter) -> None:
         """Use the noise and the level of another filter of the same samples."""

@@ -163,12 +163,12 @@ class Evidence:
     @property
     def location(self) -> float:
         """Return the location of the surface [m]; NaN before it is known."""
-        return float(self.pipeline.location)
+        return float(self.pipeline.surface.location)
 
     @property
     def location_margin(self) -> float:
         """Return how far from its location the surface may be [m]."""
-        return float(self.pipeline.location_margin)
+        return float(self.pipeline.surface.margin)
 
     @property
     def neither(self) -> bool:
@@ -183,7 +183,7 @@ class Evidence:
     @property
     def noise_std(self) -> float:
         """Return the noise of the force in free flight [N]."""
-        return float(self.pipeline.noise_std)
+        return float(self.pipeline.posterior.contact.noise_std)
 
     # -- the samples ------------------------------------------------------------------------
 

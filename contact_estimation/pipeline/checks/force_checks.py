@@ -242,7 +242,7 @@ class Surface(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return what the contact has shown."""
-        return str(seen.pipeline.surface_text)
+        return str(seen.pipeline.surface.text)
 
 
 class SurfaceShifted(Check):
@@ -256,10 +256,10 @@ class SurfaceShifted(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return the shift that the contact has shown."""
-        shift = seen.pipeline.location_shift
+        shift = seen.pipeline.surface.shift
         environment = seen.parameters.of_axis(seen.axis).environment
-        notable = max(_NOTABLE * environment.location_std, 3.0 * seen.pipeline.surface_std)
-        if abs(shift) <= notable or seen.pipeline.surface_text:
+        notable = max(_NOTABLE * environment.location_std, 3.0 * seen.pipeline.surface.std)
+        if abs(shift) <= notable or seen.pipeline.surface.text:
             return ''
         return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
                 f'{environment.location + shift:.6g} m')
@@ -282,7 +282,7 @@ class SurfaceUnchecked(Check):
             return ''
         if not pipeline.posterior.known.valid:
             return 'the motion does not show stiffness and surface yet; touch down again or excite'
-        return self.message if pipeline.location_unchecked else ''
+        return '' if pipeline.surface.is_shown else self.message
 
 
 class ModelMismatch(Check):

@@ -220,7 +220,7 @@ class InputChecks:
     def _clear(self) -> None:
         self._active: dict[tuple[str, str], tuple[str, int]] = {}  # text, judgements in a row
         for pipeline in self._pipelines.values():
-            pipeline.invalid = ''
+            pipeline.publication.invalid = ''
         self.restart()
 
     def restart(self) -> None:
@@ -312,10 +312,11 @@ class InputChecks:
         deepest, pressing = self._window.most(axis)
         pipeline = self._pipelines[axis]
         place = ('environment.location is taken at first touch'
-                 if pipeline.location != pipeline.location
-                 else f'where environment.location is {pipeline.location:.4g} m')
+                 if pipeline.surface.location != pipeline.surface.location
+                 else f'where environment.location is {pipeline.surface.location:.4g} m')
         return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
-                f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, {place}')
+                f'{pipeline.posterior.contact.threshold:.3g} N; x reaches {deepest:.4g} m, '
+                f'{place}')
 
     def _text(self, check: Check, axis: str) -> str:
         text, count = self._active.get((check.name, axis), ('', 0))
@@ -327,7 +328,7 @@ class InputChecks:
         if check is CHECKS[-1]:
             invalid = [self._text(one, seen.axis) for one in CHECKS
                        if one.invalidates and not one.of_state]
-            seen.pipeline.invalid = next(filter(None, invalid), '')
+            seen.pipeline.publication.invalid = next(filter(None, invalid), '')
 
     def _note(self, check: Check, axis: str, text: str | None) -> None:
         if text is None:

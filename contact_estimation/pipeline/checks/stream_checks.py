@@ -135,7 +135,7 @@ class JointRate(Check):
         if seen.pipeline.estimator is None:
             return ''  # its kernel follows the rate
         needed = _FEWEST_PER_CUTOFF * cutoff
-        if cutoff == 0.0 or rate >= needed or rate * seen.pipeline.sample_period_s >= _SLOWER:
+        if cutoff == 0.0 or rate >= needed or rate * seen.pipeline.posterior.period_s >= _SLOWER:
             return ''
         return (f'joint states come at {rate:.3g} Hz, but the filter passes {cutoff:g} Hz; '
                 f'publish them at {needed:.3g} Hz or more, or lower '
@@ -154,7 +154,7 @@ class SampleRate(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the spacing of the stamps with the nominal one."""
-        rate, period = seen.parameters.sample_rate, seen.pipeline.sample_period_s
+        rate, period = seen.parameters.sample_rate, seen.pipeline.posterior.period_s
         if (period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF
                 or seen.pipeline.estimator is None):  # it measures the rate
             return ''
@@ -267,7 +267,7 @@ class PositionUnit(Check):
         fast = int(0.95 * len(speeds))
         speed = float(np.partition(speeds, fast)[fast])
         depth = float(np.max(seen.x[seen.contact] - seen.location, initial=0.0))
-        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.surface_text):
+        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.surface.text):
             return ''
         unit = 'joint states in radians' if seen.is_arm else 'positions in metres'
         return (f'the contact axis moves at up to {speed:.3g} m/s, {depth:.3g} m into the wall: '
