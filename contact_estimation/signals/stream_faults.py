@@ -81,14 +81,14 @@ def bursts_of(t: Array) -> Bursts | None:
 
 
 class Courses(NamedTuple):
-    """The usual levels of two courses between which a signal changes from sample to sample."""
+    """The usual levels of two signals between which a stream alternates."""
 
     one: float
     other: float
 
     def text(self, signal: str, topic: str, unit: str) -> str:
         """Return the warning, with its remedy, more likely causes first."""
-        return (f'the {signal} changes from sample to sample between two courses, usually '
+        return (f'the {signal} alternates between two signals, usually '
                 f'{self.one:.3g} and {self.other:.3g} {unit}: two publishers or two sensors on '
                 f'the topic {topic}, or a driver that fills in values it has not measured; leave '
                 'one of them (ros2 topic info --verbose lists the publishers)')

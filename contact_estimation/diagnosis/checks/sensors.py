@@ -25,7 +25,7 @@ _RUN = 5  # samples: their median ignores two that jump; noise does not repeat a
 
 
 def two_sources(evidence: Evidence) -> Finding:
-    """Find a force or a position that changes from sample to sample between two courses."""
+    """Find a force or a position that alternates between two signals."""
     s = evidence.whole
     for signal, topic, unit, values in (('force', 'wrench', 'N', s.force),
                                         ('position', 'joint_states', 'm', s.position)):

@@ -31,7 +31,7 @@ class TwoForces(Check):
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
-        """Look for two courses of the force."""
+        """Look for two signals in the force."""
         found = courses_of(seen.force, CLEAR * seen.configured_noise)
         return found.text('force', 'wrench', 'N') if found else ''
 
@@ -46,7 +46,7 @@ class TwoPositions(Check):
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
-        """Look for two courses of the position."""
+        """Look for two signals in the position."""
         least = max(CLEAR * seen.parameters.contact.position_noise, _COARSEST_M)
         found = courses_of(seen.x, least)
         return found.text('position', 'joint_states', 'm') if found else ''
