@@ -123,9 +123,8 @@ class Evidence:
     """
     The last seconds of one axis.
 
-    Of the pipeline, checks read `location`, `location_margin`, `location_shift`,
-    `location_unchecked`, `surface_text`, `surface_std`, `bias`, `noise_std`, `contact`,
-    `posterior.contact.state`, `posterior.known.valid`, `sample_period_s`, `estimator` and
+    Of the pipeline, checks read `surface`, `bias`, `contact`, `estimator`, of `posterior` the
+    noise, level and state of the contact, `known.valid` and `period_s`, and
     `model_fit.now.text`, and nothing else.
     """
 
