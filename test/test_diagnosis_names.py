@@ -179,14 +179,17 @@ def test_no_decision_depends_on_units(name: str, length: float, force: float) ->
     assert value == pytest.approx(unit * usual_value, rel=1e-4)
 
 
-def test_friction_keeps_its_name_where_the_width_of_the_sign_has_another_unit() -> None:
+@pytest.mark.parametrize('length, force', [(1e6, 1e9), (1e3, 1e3)])
+def test_friction_keeps_its_name_where_the_width_of_the_sign_has_another_unit(
+    length: float, force: float
+) -> None:
     s = recorded(**physics('coulomb_friction', 2.0))
-    small = s._replace(position=1e6 * s.position, force=1e9 * s.force, reference=np.array(
-        [1e6, 1e6, 1e6, 1e9])[:, None] * s.reference)
-    found = diagnosed(small, nominal(**{
-        key.replace('.', '__'): 1e3 * value for key, value in MODEL.items()}))
+    other = s._replace(position=length * s.position, force=force * s.force, reference=np.array(
+        [length, length, length, force])[:, None] * s.reference)
+    found = diagnosed(other, nominal(**{
+        key.replace('.', '__'): force / length * value for key, value in MODEL.items()}))
     assert named(found) == ['coulomb_friction']
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(2e9, rel=BOUND)
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(2.0 * force, rel=BOUND)
 
 
 OUTSIDE = {

@@ -19,6 +19,7 @@ from contact_estimation.plant.plant_parameters import PlantParameters, WallParam
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.recordings.recorded_signals import FIRST, tare_of
 from contact_estimation.signals.conditioning import ZeroTracker
+from contact_estimation.signals.stream_faults import zero_steps
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -210,3 +211,17 @@ def test_diagnosis_takes_the_force_less_its_tracked_zero(tmp_path: Path) -> None
     found = ce.read_recording(run, parameters={'force_sensor.zero': 'tracked'}).signals
     error = found.force - touches()[1]
     assert np.abs(error).max() < 0.2 and np.sqrt(np.mean(error**2)) < 0.05
+
+
+@pytest.mark.parametrize('step, drift', [(-6.0, 0.0), (0.0, -6.0 / 4.5), (0.0, 0.0)])
+def test_a_step_between_short_flights_is_found_and_a_drift_is_none(
+    step: float, drift: float
+) -> None:
+    t = np.concatenate([np.arange(begin, end, 0.01) for begin, end in (
+        (0.0, 0.6), (5.3, 5.46), (9.9, 10.16), (15.5, 15.9))])
+    noise = np.random.default_rng(1).normal(0.0, 0.3, len(t))
+    found = zero_steps(t, step * (t > 7.0) + drift * t + noise, 0.3)
+    assert len(found) == (step != 0.0)
+    for one in found:
+        assert one.size == pytest.approx(step, abs=0.3)
+        assert 5.4 < one.begin < one.end < 10.0

@@ -24,6 +24,7 @@ from .observe.model import Model, Unit
 from .observe.observed import observe, Observed
 from .observe.parts import continuous_parts
 from .observe.prepared_recording import prepare
+from .observe.shares import LITTLE
 from .observe.signals import Recording, with_reference_rates
 from .observe.usable_samples import held_at_rest, without_held_samples
 from .result import Diagnosis, refuse
@@ -34,9 +35,7 @@ from ..plant.plant_parameters import PlantParameters, WallParameters
 
 Array = NDArray[np.float64]
 
-# Of the speed of a motion: where dry friction fades at most, as 4e-4 of 0.027 m/s, and where a
-# width is sharper than any recording resolves, as one that is given in other units.
-_FADES, _UNRESOLVED = 0.015, 1e-5
+_FADES = 0.015  # of the speed of a motion: where dry friction fades at most, as 4e-4 of 0.027 m/s
 
 
 def diagnose(
@@ -103,7 +102,7 @@ def _in_scales_of(recordings: Sequence[Recording], nominal: Model) -> Model:
     known, seen = nominal.nominal, [observe(one.signals, nominal.nominal) for one in recordings]
     speeds = [float(np.sqrt(np.mean(one.v**2))) for one in seen]
     given, most = known.sign_velocity, _FADES * min(speeds)
-    width = given if _UNRESOLVED * max(speeds) < given < most else most
+    width = given if LITTLE * most < given < most else most  # a sharper one is in other units
     length = max(float(np.ptp(one.x)) for one in seen)
     unit = Unit(length, max(float(np.ptp(one.force)) for one in seen), length / max(speeds))
     return replace(nominal, nominal=replace(known, sign_velocity=width), unit=unit)

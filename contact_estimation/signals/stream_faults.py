@@ -171,9 +171,15 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
             if now is None or now.std > _LEVEL * noise:
                 before = None if k == 0 else before
                 continue
-            if before is not None and (k > 0 or resting) and _differ(before, now, noise, k > 0):
+            if before is None or not (k > 0 or resting):
+                before = now
+            elif _differ(before, now, noise, k > 0):
                 found.append(ZeroStep(before.end, now.begin, now.mean - before.mean))
-            before = now
+                before = now
+            elif abs(now.mean - before.mean) < TARE_DUE * noise:  # the same level: known better
+                before = _joined(before, now)
+            elif now.samples >= 2 * _PIECE:
+                before = now
     return found
 
 
@@ -212,12 +218,29 @@ def _pieces(t: Array, force: Array, edges: list[int]) -> Iterator[_Piece | None]
                      float(np.std(own)), slope)
 
 
+def _joined(one: _Piece, other: _Piece) -> _Piece:
+    """Join two stretches of one level."""
+    n = np.array([one.samples, other.samples], float)
+    middle, span = (np.array([part.end + sign * part.begin for part in (one, other)])
+                    for sign in (1.0, -1.0))
+    mean, std, slope = np.array([(part.mean, part.std, part.slope) for part in (one, other)]).T
+    away = 0.5 * middle - n @ (0.5 * middle) / n.sum()
+    level = float(n @ mean / n.sum())
+    inner = span**2 / 12.0  # variance of the instants of a stretch
+    return _Piece(
+        one.begin, other.end, level, one.samples + other.samples,
+        float(np.sqrt(n @ (std**2 + (mean - level)**2) / n.sum())),
+        float(n @ (inner * slope + away * (mean - level))
+              / max(float(n @ (inner + away**2)), 1e-300)))
+
+
 def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
     """Return whether two levels differ by more than noise and drift."""
     size = abs(now.mean - before.mean)
     if at_once:
         return size > _PERSISTS * CLEAR * noise
-    if min(before.samples, now.samples) < 2 * _PIECE or size < TARE_DUE * noise:
+    least = TARE_DUE if min(before.samples, now.samples) >= 2 * _PIECE else CLEAR
+    if size < least * noise:
         return False
     spans = [max(piece.end - piece.begin, 1e-9) for piece in (before, now)]
     errors = [noise * (12.0 / piece.samples)**0.5 / span
