@@ -123,6 +123,15 @@ def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
 
 
+def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text(
+        'Time,Extension,Load,,10 mm/min\n(s),(mm),(N),,20 N preload\n'
+        '0.0,1.0,2.0,,\n0.1,2.0,3.0,,\n')
+    _, signals = signals_of_columns(read_columns(tmp_path / 'a.csv'), {}, (), 'a.csv')
+    assert signals['joint.x'].tolist() == [1e-3, 2e-3]
+    assert signals['wrench.force.x'].tolist() == [2.0, 3.0]
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])

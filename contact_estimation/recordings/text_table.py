@@ -125,8 +125,11 @@ def _names(above: Sequence[Sequence[str]], count: int) -> list[str]:
     names = [str(place) for place in range(1, count + 1)]
     if rows:
         names = rows[-1]
-        if len(rows) > 1 and all(map(_UNIT.fullmatch, rows[-1])):
-            names = [f'{name} [{unit.strip("[]()")}]' for name, unit in zip(*rows[-2:])]
+        units = list(map(_UNIT.fullmatch, rows[-1]))
+        in_brackets = sum(cell.startswith(('[', '(')) for cell in rows[-1] if cell)
+        if len(rows) > 1 and (all(units) or 2 * in_brackets > sum(map(bool, rows[-1]))):
+            names = [f'{name} [{unit.strip("[]()")}]' if is_unit else name
+                     for name, unit, is_unit in zip(*rows[-2:], units)]
     seen: dict[str, int] = {}
     for place, name in enumerate(names):
         seen[name] = seen.get(name, 0) + 1
