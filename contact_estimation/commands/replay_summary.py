@@ -137,9 +137,13 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
         f'{count} {reason}' + (f' ({session.rejection_texts[reason]})'
                                if session.rejection_texts.get(reason) else '')
         for reason, count in session.rejected.items())
+    remedy = 'check topics, joint and stamps'
+    if any(reason.endswith('_absurd') for reason in session.rejected):
+        remedy = ('values are out of range: give the units of the recording, such as '
+                  '--units mm,N, or raise synchronisation.maximum_*')
     return (
         f'no usable sample in {recording}: expected wrenches with joint states at or around '
-        f'their stamps, got {reasons or "none"}; check topics, joint and stamps')
+        f'their stamps, got {reasons or "none"}; {remedy}')
 
 
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
