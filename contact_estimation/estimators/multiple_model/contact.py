@@ -105,7 +105,7 @@ class ContactFilter:
 
     @property
     def noise_std(self) -> float:
-        """Standard deviation of the noise of the force [N]."""
+        """Return the standard deviation of the noise of the force [N]."""
         return sqrt(self.variance)
 
     @property
