@@ -55,7 +55,7 @@ class WallInference:
         std = max(location_std, EXACT_SURFACE_M) if location == location else ANYWHERE_M
         self.known = Knowledge(nan, nan, nan, nan, location, std, nan,
                                tuple(np.exp(LOG_PRIOR).tolist()), nan)
-        self._sums = WallStatistics(location, location_std)
+        self._sums = WallStatistics(location, max(location_std, EXACT_SURFACE_M))
         self.residuals = Residuals(blocks, contact)
         self.changes = 0
         self._touched: Touch | None = None
