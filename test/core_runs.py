@@ -10,7 +10,7 @@ from math import nan
 from typing import Any, Mapping, NamedTuple, Sequence
 
 from contact_estimation.estimators.contact_model import kelvin_voigt_force
-from contact_estimation.estimators.estimate import Estimate, Frozen
+from contact_estimation.estimators.estimate import Estimate, Frozen, ParameterEstimate
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
@@ -27,20 +27,9 @@ import numpy as np
 FREE = Frozen(False, False)
 
 
-class Known(NamedTuple):
-    """What an estimator knows."""
-
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    location_shift: float
-    inertia: float
-
-
-def known(estimator: Any) -> Known:
+def known(estimator: Any) -> ParameterEstimate:
     """Ask an estimator what it knows now."""
-    return Known(*estimator.current())
+    return ParameterEstimate(*estimator.current())
 
 
 def learn(

@@ -288,7 +288,8 @@ class ContactModels:
     def _finished(self, model: Model, steps: int) -> Scored | None:
         recordings = self.weighed(model)
         found = fit(recordings, model, steps)
-        if found.cost < MOST * len(found.residuals):  # weighed by a discrepancy of long ago
+        if not self._driven and found.cost < MOST * len(found.residuals):
+            # Weighed by a discrepancy of long ago.
             recordings = self.weighed(found.model)
             found = fit(recordings, found.model, steps)
         return self._scored(recordings, found) if is_credible(recordings, found.model) else None

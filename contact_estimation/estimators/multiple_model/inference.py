@@ -52,10 +52,11 @@ class WallInference:
     ) -> None:
         self._blocks, self._contact = blocks, contact
         self.lag, self.rhythm, self.inertia = LagPosterior(*lag), Rhythm(followed=False), 0.0
-        std = max(location_std, EXACT_SURFACE_M) if location == location else ANYWHERE_M
-        self.known = Knowledge(nan, nan, nan, nan, location, std, nan,
+        std = max(location_std, EXACT_SURFACE_M)
+        self.known = Knowledge(nan, nan, nan, nan, location,
+                               std if location == location else ANYWHERE_M, nan,
                                tuple(np.exp(LOG_PRIOR).tolist()), nan)
-        self._sums = WallStatistics(location, max(location_std, EXACT_SURFACE_M))
+        self._sums = WallStatistics(location, std)
         self.residuals = Residuals(blocks, contact)
         self.changes = 0
         self._touched: Touch | None = None
