@@ -20,7 +20,7 @@ from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters, read_model
 from contact_estimation.reference.experiment import Experiment, Segment, Sine
-from contact_estimation.studies.blind_trials.trial import plan_effects
+from contact_estimation.studies.blind_trials.command import plan_effects
 import numpy as np
 
 KNOWN = {'physics.toy_effect.K_5': 1e12}

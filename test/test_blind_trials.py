@@ -15,15 +15,18 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.prior import Scales
 from contact_estimation.plant.plant_parameters import RobotParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.scheduling import Finished
 from contact_estimation.studies.blind_trials import command as study
 from contact_estimation.studies.blind_trials.command import (
-    diagnose_command, main, plan_study, PlannedTrial, run_trial)
+    diagnose_blind, main, plan_effects, plan_study, PlannedTrial, run_trial)
 from contact_estimation.studies.blind_trials.concealment import residual
 from contact_estimation.studies.blind_trials.scoring import (
     as_text, RIGHT, Score, score, SILENT, WRONG)
-from contact_estimation.studies.blind_trials.trial import (
-    EFFECTS_OF_A_WALL, plan_effects, Trial, TrialFiles, write_json, write_trial)
-from contact_estimation.studies.blind_trials.worlds import RandomWorld, Run, SensorModel
+from contact_estimation.studies.blind_trials.settings import EFFECTS_OF_A_WALL, IDEAL
+from contact_estimation.studies.blind_trials.trial import Trial
+from contact_estimation.studies.blind_trials.trial_files import (
+    TrialFiles, write_json, write_trial)
+from contact_estimation.studies.blind_trials.world import Run, SensorModel, World
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -36,12 +39,13 @@ EXPERIMENT = Experiment('short', -0.01, (
     Segment(0.3, -0.01), Segment(0.5, 0.03), Segment(0.6, 0.03), Segment(0.4, 0.02),
     Segment(0.5, 0.02), Segment(0.5, -0.01), Segment(0.3, -0.01),
 ))
-WORLD = RandomWorld(WALL, ROBOT, SensorModel(), EXPERIMENT, 0.015)
+WORLD = World('short', WALL, ROBOT, SensorModel(), EXPERIMENT, 0.015)
 
 
 def short_trial(effect: str = '', **values: float) -> Trial:
     """Return a trial of three seconds."""
-    return Trial(WORLD, effect, values, WallParameters(stiffness=4400.0, damping=80.0), 1.0)
+    nominal = WallParameters(stiffness=4400.0, damping=80.0)
+    return Trial(IDEAL, WORLD, effect, values, nominal, 1.0)
 
 
 def synthetic_run(sensed: Array | None = None, count: int = 4000) -> Run:
@@ -56,12 +60,11 @@ def synthetic_run(sensed: Array | None = None, count: int = 4000) -> Run:
 
 def truth(effect: str = '', port: str = 'contact', **changes: Any) -> dict[str, Any]:
     """Return the content of a truth file."""
-    parameters = changes.pop('parameters', {})
-    effects = [{'name': effect, 'port': port, 'parameters': parameters}] if effect else []
     return {
-        'effects': effects, 'verdict': 'physics_missing' if effect else 'recalibrate',
-        'stiffness': 4000.0, 'damping': 100.0, 'concealed': 2.0, 'force_floor_n': 0.4,
-        'experiment': 'rich', **changes}
+        'kind': 'library' if effect else 'clean', 'law': effect, 'port': port,
+        'families': [EFFECTS[effect].family] if effect else [],
+        'acceptable_names': [effect] if effect else [], 'parameters': {}, 'intervals_s': None,
+        'stiffness': 4000.0, 'damping': 100.0, 'concealed': 2.0, 'stage': 'rich', **changes}
 
 
 def answer(*names: str, rivals: tuple[str, ...] = (), **changes: Any) -> dict[str, Any]:
@@ -81,7 +84,7 @@ def answer(*names: str, rivals: tuple[str, ...] = (), **changes: Any) -> dict[st
 SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
 
 
-def rms_of(in_motion: bool, world: RandomWorld, run: Run) -> float:
+def rms_of(in_motion: bool, world: World, run: Run) -> float:
     """Return the RMS residual of the contact, or that in the motion of the robot."""
     return float(np.sqrt(np.nanmean(residual(in_motion, world, run) ** 2)))
 
@@ -126,18 +129,6 @@ def test_contact_residual_matches_the_normal_equations() -> None:
     assert rms_of(False, WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
 
 
-# -- sensors --------------------------------------------------------------------------------
-
-
-# -- integration ------------------------------------------------------------------------------
-
-
-# -- nuisances --------------------------------------------------------------------------------
-
-
-# -- degree -----------------------------------------------------------------------------------
-
-
 # -- plan and files ---------------------------------------------------------------------------
 
 
@@ -158,10 +149,8 @@ def test_only_write_leaves_recordings_and_truths(
     assert (tmp_path / 'again' / 'sealed' / truths[0]).read_text() == first
 
 
-LUGRE: dict[str, Any] = {
-    'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
-    'stage': 'press', 'concealed': 3.0,
-}
+LUGRE = {**truth(), 'kind': 'foreign', 'law': 'lugre_friction', 'families': ['friction'],
+         'acceptable_names': [name for name, cls in EFFECTS.items() if cls.family == 'friction']}
 
 
 def scored(truth: dict[str, Any], answer: dict[str, Any]) -> Score:
@@ -245,10 +234,22 @@ def done(folder: Path, planned: PlannedTrial, said: dict[str, Any]) -> TrialFile
     return files
 
 
-def test_the_diagnosis_command_does_not_contain_the_truth(files: TrialFiles) -> None:
-    words = diagnose_command(files.recording, files.nominal, Path('out.json'))
-    assert not any('truth' in word or files.truth.parent.name in word for word in words)
+def test_the_diagnosis_command_does_not_contain_the_truth(
+    files: TrialFiles, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+
+    def refused(words: list[str], timeout_s: float) -> Finished:
+        said.extend(words)
+        return Finished(1.0, 1.0, 'refused')
+
+    monkeypatch.setattr(study, 'finished', refused)
+    diagnose_blind(files)
+    assert str(files.recording) in said
+    assert not any('truth' in word or files.truth.parent.name in word for word in said)
     assert files.truth.parent not in (files.recording.parent, files.nominal.parent)
+    assert json.loads(files.report.read_text())['error'] == 'refused'
+    files.report.unlink()
 
 
 def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> None:
@@ -287,9 +288,7 @@ def test_a_finished_study_of_rigs_is_scored_by_family(
 ) -> None:
     (planned,) = plan_study(0, 0, 0, foreign=1)
     files = TrialFiles.of(tmp_path, planned.name)
-    told = {'law': planned.effect, 'port': 'contact', 'families': ['friction'], 'unknown': None,
-            'stage': 'press', 'concealed': 3.0}
-    write_json(files.truth, told)
+    write_json(files.truth, LUGRE)
     write_json(files.report, answer('coulomb_friction'))
     target = tmp_path / 'scores.json'
     words = ['--count', '0', '--foreign', '1', '--output', str(tmp_path), '--json', str(target)]

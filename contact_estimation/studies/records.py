@@ -7,19 +7,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_trials.command import diagnose_command
-from .blind_trials.scoring import NEUTRAL, of_families, outcome_of, RIGHT, scored_names, SILENT
+from .blind_trials.command import diagnosed
+from .blind_trials.scoring import (
+    acceptable_names, FAILED, judged, NEUTRAL, of_families, RIGHT, SILENT)
 from ..commands.command_line import check_outputs, command, Parser, require_at_least, write_results
 from ..commands.progress import Progress
 from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
-from ..scheduling import Call, finished, values_of, workers
+from ..scheduling import Call, values_of, workers
 from ..texts import markdown_table
 
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
@@ -35,20 +35,6 @@ _ALIKE = (
 # These are of one kind as acceptable names, but each of them says less than its family.
 _ALONE = {'bouc_wen_hysteresis', *NEUTRAL}
 _MIXED = ('wall_motion', 'limits', 'robot')  # families whose members are different things
-
-
-def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
-    """Return the effects that a truth file asks for."""
-    if 'acceptable_names' in truth:
-        return set(truth['acceptable_names'])
-    if 'families' in truth:
-        return of_families(truth['families'])
-    if 'effects' in truth:
-        return {name for effect in truth['effects']
-                for name in (effect['name'], *effect.get('also', []))}
-    raise RecordingError(
-        f'a truth file must have acceptable_names, effects or families, got '
-        f'{", ".join(truth) or "nothing"}; add one of them')
 
 
 def with_relatives(names: set[str]) -> set[str]:
@@ -67,14 +53,12 @@ def with_relatives(names: set[str]) -> set[str]:
 def class_of(truth: Mapping[str, Any], report: Mapping[str, Any] | None) -> str:
     """Return the class of a report."""
     asked = acceptable_names(truth)
-    names = scored_names((report or {}).get('effects', []), with_relatives(asked),
-                         set(NEUTRAL) - asked)
-    outcome = outcome_of(report is not None, names)
+    names, outcome = judged(report, with_relatives(asked), set(NEUTRAL) - asked)
     if outcome == RIGHT:
         return 'right alone' if all(name.right for name in names) else 'right with surplus'
     if outcome == SILENT:
         return 'silent' if asked else 'rightly silent'
-    return 'failed' if report is None else 'wrong first'
+    return 'failed' if outcome == FAILED else 'wrong first'
 
 
 _COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', 'class',
@@ -220,29 +204,26 @@ def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
     """Diagnose records in parallel processes."""
     progress = Progress('records')
     with workers(None, jobs) as started:
-        rows = values_of(started, {one.name: Call(diagnosed, (one,)) for one in records},
+        rows = values_of(started, {one.name: Call(row_of, (one,)) for one in records},
                          progress.show)
     progress.done()
     return [rows[one.name] for one in records]
 
 
-def diagnosed(record: Record) -> Row:
-    """Diagnose in a process of its own, which is not given the truth, and compare with it."""
-    with TemporaryDirectory() as folder:
-        output = Path(folder) / 'report.json'
-        holdout = [] if record.holdout is None else ['--holdout', str(record.holdout)]
-        done = finished([*diagnose_command(record.recording, record.nominal, output), *holdout])
-        report = None if done.error else json.loads(output.read_text())
-    truth, found = record.truth or {}, report or {}
+def row_of(record: Record) -> Row:
+    """Diagnose without the truth, and compare with it."""
+    holdout = [] if record.holdout is None else ['--holdout', str(record.holdout)]
+    answer = diagnosed(record.recording, record.nominal, *holdout)
+    truth, found = record.truth or {}, answer.report or {}
     force = found.get('fit', {}).get('force_rmse_n', {})
-    std = 1.0 if report is None else _force_std(record.holdout or record.recording)
+    std = _force_std(record.holdout or record.recording) if found else 1.0
     recalibrated, corrected = (None if force.get(name) is None else force[name] / std
                                for name in ('recalibrated', 'corrected'))
     return Row(
         record.name, str(truth.get('source') or truth.get('source_repo') or ''),
         str(found.get('verdict', '')), found.get('effects', []),
-        class_of(truth, report) if record.truth is not None else '',
-        recalibrated, corrected, done.error, done.cpu_s)
+        class_of(truth, answer.report) if record.truth is not None else '',
+        recalibrated, corrected, answer.error, answer.cpu_s)
 
 
 def _force_std(path: Path) -> float:

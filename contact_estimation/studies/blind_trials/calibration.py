@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 import json
 from pathlib import Path
-from typing import Any, Iterable, Mapping, NamedTuple, Sequence
+from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from .scoring import of_families
 from ...diagnosis.fit.beam import Compared, of_dict
 from ...diagnosis.fit.constants import CONSTANTS, Constants
 from ...exceptions import ParameterRangeError
-from ...physics import EFFECTS
 
 FITTED = ('parameter', 'law', 'curve', 'independent', 'ideal', 'instrument', 'temperature')
 """Constants of the evidence, which the log score determines."""
@@ -60,23 +59,17 @@ class Calibration:
         path.write_text(json.dumps(self.constants._asdict(), indent=1) + '\n')
 
 
-def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> list[JudgedTrial]:
-    """Read truths and comparisons of a study."""
-    found = []
-    for truth, answer in answers:
-        if answer.get('comparison') is None:
-            continue
-        try:
-            compared = of_dict(answer['comparison'], CONSTANTS)
-        except KeyError as missing:
-            raise ParameterRangeError(
-                f'a comparison of the study must have {missing}, got one of another version; '
-                'delete the subfolder reports and diagnose again') from missing
-        families = truth.get('families')
-        if families is None:
-            families = {EFFECTS[effect['name']].family for effect in truth['effects']}
-        found.append(JudgedTrial(compared, frozenset(of_families(list(families)))))
-    return found
+def judged(truth: Mapping[str, Any], answer: Mapping[str, Any]) -> JudgedTrial | None:
+    """Read truth and comparison of a trial; None for one that an older version has diagnosed."""
+    if answer.get('comparison') is None:
+        return None
+    try:
+        compared = of_dict(answer['comparison'], CONSTANTS)
+    except KeyError as missing:
+        raise ParameterRangeError(
+            f'a comparison of the study must have {missing}, got one of another version; '
+            'delete the subfolder reports and diagnose again') from missing
+    return JudgedTrial(compared, frozenset(of_families(truth['families'])))
 
 
 def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:

@@ -10,16 +10,17 @@ import json
 from pathlib import Path
 import sys
 import tempfile
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 import numpy as np
 
 from .arm_trials import arm_text, run_arm_trials
-from .calibration import calibrate, judged, JudgedTrial
+from .calibration import calibrate, judged
 from .foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
-from .rig_trial import draw_rig_trial
 from .scoring import as_dict, as_text, plot_reliability, Score, score
-from .trial import draw_trial, plan_effects, TrialFiles, write_json, write_rig_trial, write_trial
+from .settings import EFFECTS_OF_A_WALL, IDEAL, RIGS
+from .trial import draw_trial
+from .trial_files import TrialFiles, write_json, write_trial
 from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ...commands.progress import Progress
@@ -51,6 +52,15 @@ def plan_study(
             for kind, effects in enumerate(kinds) for k, effect in enumerate(effects)]
 
 
+def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL) -> list[str]:
+    """Distribute trials evenly over effects."""
+    effects: list[str] = []
+    while len(effects) < count:
+        rng = np.random.default_rng([seed, len(effects)])
+        effects += rng.permutation(list(names)).tolist()
+    return effects[:count]
+
+
 def _plan_foreign(count: int, seed: int) -> list[str]:
     """Plan laws of the literature with a clean world after every eight."""
     laws = iter(plan_effects(count, seed, FOREIGN_LAWS))
@@ -79,18 +89,11 @@ def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> 
     files = TrialFiles.of(folder, planned.name)
     if not files.truth.exists():
         rng = np.random.default_rng(planned.seed)
-        if planned.on_rig:
-            write_rig_trial(draw_rig_trial(planned.effect, rng), files, rng)
-        else:
-            write_trial(draw_trial(planned.effect, rng), files, rng)
+        setting = RIGS if planned.on_rig else IDEAL
+        write_trial(draw_trial(setting, planned.effect, rng), files, rng)
         files.report.unlink(missing_ok=True)
     if not only_write and not files.report.exists():
         diagnose_blind(files)
-
-
-def judged_trials(folder: Path, trials: Sequence[PlannedTrial]) -> list[JudgedTrial]:
-    """Return the trials of a study for a calibration."""
-    return judged(_truth_and_answer(folder, trial) for trial in trials)
 
 
 def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
@@ -99,22 +102,36 @@ def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
 
 
 def diagnose_blind(files: TrialFiles) -> None:
-    """Diagnose a trial in a process of its own, given recording and nominal model only."""
+    """Diagnose a trial, given recording and nominal model only, and write the answer."""
+    found = diagnosed(files.recording, files.nominal, timeout_s=_TIMEOUT_S)
+    write_json(files.report, {'report': found.report, 'error': found.error,
+                              'seconds': round(found.wall_s, 1), 'comparison': found.comparison})
+
+
+class Answer(NamedTuple):
+    """What a diagnosis answers, and what it takes."""
+
+    report: dict[str, Any] | None  # None after a failure
+    comparison: Any  # of the models, from which constants are fitted
+    error: str  # message of a failure; '' on success
+    # wall_s, cpu_s: elapsed time, and processor time [s]
+    wall_s: float
+    cpu_s: float
+
+
+def diagnosed(
+    recording: Path, nominal: Path, *options: str, timeout_s: float | None = None
+) -> Answer:
+    """Diagnose in a process of its own, which is given nothing else."""
     with tempfile.TemporaryDirectory() as folder:
         output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
-        done = finished([*diagnose_command(files.recording, files.nominal, output),
-                         '--write-comparison', str(models)], _TIMEOUT_S)
+        done = finished([
+            sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
+            '--nominal', str(nominal), '--json', str(output), '--write-comparison', str(models),
+            *options], timeout_s)
         report, comparison = (None if done.error else json.loads(path.read_text())
                               for path in (output, models))
-    write_json(files.report, {'report': report, 'error': done.error,
-                              'seconds': round(done.wall_s, 1),
-                              'comparison': comparison})
-
-
-def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
-    """Build the command line of a diagnosis."""
-    return [sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
-            '--nominal', str(nominal), '--json', str(output)]
+    return Answer(report, comparison, done.error, done.wall_s, done.cpu_s)
 
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
@@ -209,7 +226,8 @@ def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
     (folder / 'table.txt').write_text(text + '\n')
     write_results(options, {'json': lambda: as_json(as_dict(scores, options.seed))})
     if options.calibrate:
-        fitted = calibrate(judged_trials(folder, trials))
+        found = [judged(*_truth_and_answer(folder, trial)) for trial in trials]
+        fitted = calibrate([one for one in found if one is not None])
         print(fitted.text())
         fitted.write(Path(options.calibrate))
     print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')

@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Randomised experiments: touches of different depth, speed and excitation."""
+"""Randomised experiments: touches of a wall, and motions of what is attached."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Callable, Mapping, NamedTuple
 
 from numpy.random import Generator
 
+from ...physics.prior import log_uniform
 from ...reference.experiment import (
     Excitation, Experiment, Multisine, PseudoRandomBinary, Segment, Sine)
 from ...reference.reference_generator import quintic
@@ -151,8 +152,80 @@ _KINDS: Mapping[str, tuple[float, Callable[[Stage, Generator], Experiment]]] = {
 """Probability and builder by kind."""
 
 
-def draw_experiment(stage: Stage, rng: Generator) -> Experiment:
-    """Draw an experiment."""
+def draw_touches(stage: Stage, rng: Generator) -> Experiment:
+    """Draw an experiment of a robot at a wall."""
     weights = [weight for weight, _ in _KINDS.values()]
     kind = str(rng.choice(list(_KINDS), p=weights))
     return _KINDS[kind][1](stage, rng)
+
+
+# -- what is attached -----------------------------------------------------------------------
+
+
+def draw_motion(travel: float, fastest: float, rng: Generator) -> Experiment:
+    """Draw a motion of seconds by a travel [m] and a highest frequency [Hz]."""
+    builder = Builder(Stage(0.0, 0.0, travel))
+    _MOTIONS[int(rng.integers(len(_MOTIONS)))](builder, travel, fastest, rng)
+    builder.wait(0.5)
+    return builder.experiment('specimen')
+
+
+def _swings(builder: Builder, travel: float, fastest: float, rng: Generator) -> None:
+    """Add cycles of growing and shrinking amplitude about a mean depth."""
+    builder.wait(0.5)
+    builder.go(0.5 * travel, 1.0)
+    frequency = fastest * log_uniform(rng, 0.15, 0.6)
+    for level in rng.permutation([0.15, 0.3, 0.45]).tolist():
+        cycles = int(rng.integers(3, 7))
+        builder.hold(max(1.5, cycles / frequency), Sine(level * travel, 2.0 * pi * frequency))
+    builder.go(0.0, 1.0)
+
+
+def _random(builder: Builder, travel: float, fastest: float, rng: Generator) -> None:
+    """Add multisines about two mean depths."""
+    for mean in rng.permutation([0.4, 0.65]).tolist():
+        builder.wait(0.5)
+        builder.go(mean * travel, float(rng.uniform(0.8, 2.0)))
+        count = int(rng.integers(3, 8))
+        omegas = (2.0 * pi * fastest * rng.uniform(0.05, 1.0, count)).tolist()
+        builder.hold(float(rng.uniform(3.0, 7.0)), Multisine(0.34 * travel, omegas))
+        builder.go(0.0, float(rng.uniform(0.8, 2.0)))
+
+
+def _steps(builder: Builder, travel: float, fastest: float, rng: Generator) -> None:
+    """Add ramps of different speed with holds between them."""
+    builder.wait(0.5)
+    for level in rng.permutation([0.3, 0.6, 1.0, 0.45, 0.0, 0.8]).tolist():
+        builder.go(level * travel, float(rng.choice([0.4, 0.8, 1.5])))
+        builder.wait(float(rng.uniform(0.8, 2.0)))
+    builder.go(0.0, 1.0)
+
+
+_MOTIONS = (_swings, _random, _steps)
+
+
+def draw_waits(travel: float, ramp: float, rng: Generator) -> Experiment:
+    """Draw ramps of the same duration [s] with long waits between them."""
+    builder = Builder(Stage(0.0, 0.0, travel))
+    builder.wait(5.0)
+    levels = rng.permutation([0.35, 0.7, 1.0, 0.5]).tolist()
+    for level in levels[:int(rng.integers(3, 5))]:
+        builder.go(level * travel, ramp)
+        builder.wait(float(rng.uniform(20.0, 60.0)))
+    builder.go(0.0, ramp)
+    builder.wait(20.0)
+    return builder.experiment('slow')
+
+
+def draw_to_and_fro(travel: float, frequency: float, rng: Generator) -> Experiment:
+    """Draw strokes at about a frequency [Hz]."""
+    builder = Builder(Stage(0.0, 0.0, travel))
+    for level in rng.permutation([0.5, 1.0, 0.3, 0.8]).tolist():
+        builder.wait(float(rng.uniform(0.2, 0.6)))
+        builder.go(level * travel, float(rng.uniform(0.3, 1.0)) / frequency)
+        if rng.uniform() < 0.5:
+            omegas = (2.0 * pi * frequency * rng.uniform(0.3, 2.0, 4)).tolist()
+            builder.hold(float(rng.uniform(1.5, 3.0)), Multisine(0.2 * travel, omegas))
+        builder.go(0.0, float(rng.uniform(0.3, 1.0)) / frequency)
+    builder.wait(0.4)
+    return builder.experiment('drive')

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from math import sqrt
 from types import SimpleNamespace
 from typing import Any, Callable, ClassVar, Mapping, NamedTuple
@@ -71,10 +70,14 @@ def drawn_tip(m: Magnitudes, rng: Generator, lightest: float, heaviest: float) -
                       'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
 
 
-class ForeignLaw(ABC):
-    """A law that is not in the vocabulary of the diagnosis; values: parameters by name."""
+class ForeignLaw:
+    """
+    A law that is not in the vocabulary of the diagnosis; a base class itself is no law at all.
 
-    port: ClassVar[str]  # where the law acts: 'contact', 'force_sensor' or 'robot'
+    values: parameters by name
+    """
+
+    port: ClassVar[str] = ''  # where the law acts: 'contact', 'force_sensor' or 'robot'
     # families of effects that describe it acceptably; empty where none does
     families: ClassVar[tuple[str, ...]] = ()
     # experiments in which the law shows: 'press' (robot with reference), 'specimen' (attached,
@@ -85,9 +88,9 @@ class ForeignLaw(ABC):
         self.values: Any = SimpleNamespace(**values)
 
     @classmethod
-    @abstractmethod
     def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
         """Draw everything but the magnitude at random, in a world of given magnitudes."""
+        raise NotImplementedError
 
     def compliance(self) -> Compliance | None:
         """Return the compliance between measured position and contact, None without."""
@@ -135,9 +138,9 @@ class SensorLaw(ForeignLaw):
 
     port = 'force_sensor'
 
-    @abstractmethod
     def sense(self, signals: Signals) -> Array:
         """Return the measured force [N], shape (N,), of true signals."""
+        return signals.force
 
 
 class RobotLaw(ForeignLaw):

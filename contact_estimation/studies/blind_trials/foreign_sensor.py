@@ -271,6 +271,3 @@ class FlexibleMount(SensorLaw):
 
     def compliance(self) -> Compliance:
         return Compliance(self.values.mass, self.values.stiffness, self.values.damping)
-
-    def sense(self, signals: Signals) -> Array:
-        return signals.force

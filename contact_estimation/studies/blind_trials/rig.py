@@ -5,77 +5,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 from typing import Any, Callable, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from .foreign_law import Compliance, ContactLaw, ForeignLaw, RobotLaw, SensorLaw, Signals
-from .worlds import Run, SensorModel
-from ...plant.plant_parameters import RobotParameters, WallParameters
+from .world import Array, Nuisances, Run, World
+from ...plant.plant_parameters import RobotParameters
 from ...reference.experiment import Experiment
 
-Array = NDArray[np.float64]
+_COMMAND_HZ = 1000.0  # most rapid stream of commands; straight lines between them
+_BEND_M = 1e-5  # elastic motion before the friction of the robot slips
+
+Contact = Callable[[float, float, float], float]
+"""From t [s], x [m] and v [m/s] to F_e [N], called once a step."""
 
 
-@dataclass(frozen=True)
-class Nuisances:
-    """Small departures from the ideal world."""
-
-    bias: float  # residue of gravity compensation on the force [N]
-    cable: float  # stiffness of the cable that pulls at the sensor [N/m]
-    # hum, hum_frequency: amplitude [N] and frequency [Hz] of mains hum on the force
-    hum: float
-    hum_frequency: float
-    # colour, colour_corner: standard deviation [N] and corner [Hz] of coloured force noise
-    colour: float
-    colour_corner: float
-    cubic: float  # relative change of the elastic force at the largest depth
-    robot_friction: float  # friction of the joint [N]
-
-
-def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nuisances:
-    """Draw nuisances by the ranges of force [N] and travel [m] and the std of the noise [N]."""
-    drawn = (
-        force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
-        force * rng.uniform(0.0, 0.003), rng.choice([50.0, 60.0]) * rng.uniform(0.998, 1.002),
-        noise * rng.uniform(0.2, 0.7), np.exp(rng.uniform(np.log(0.3), np.log(10.0))),
-        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006),
-    )
-    return Nuisances(*(float(f'{value:.4g}') for value in drawn))
-
-
-def disturbed(t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator) -> Array:
+def _disturbed(t: Array, x: Array, force: Array, n: Nuisances, rng: Generator) -> Array:
     """Add bias, cable, hum and coloured noise to a measured force (N,) [N]."""
-    n, rate = nuisances, 1.0 / float(t[1] - t[0])
+    rate = 1.0 / float(t[1] - t[0])
     fade = float(np.exp(-2.0 * pi * min(n.colour_corner, 0.2 * rate) / rate))
     white = rng.standard_normal(len(t)) * n.colour * (1.0 - fade**2) ** 0.5
     hum = n.hum * np.sin(2.0 * pi * n.hum_frequency * t)
     slow = rate > 4.0 * n.hum_frequency  # else the sensor averages over the mains period
     return np.asarray(force + n.bias - n.cable * (x - x[0]) + (hum if slow else 0.0)
                       + lfilter([1.0], [1.0, -fade], white))
-
-
-_COMMAND_HZ = 1000.0  # most rapid stream of commands; straight lines between them
-_BEND_M = 1e-5  # elastic motion before the friction of the robot slips
-
-
-@dataclass(frozen=True)
-class Rig:
-    """A world with the nuisances of a laboratory."""
-
-    stage: str  # kind of experiment: 'press', 'specimen', 'slow' or 'drive'
-    wall: WallParameters  # True K_e, B_e, x_e and M_e; attached except when pressing
-    robot: RobotParameters | None  # True robot; None: the experiment prescribes the position
-    sensors: SensorModel  # sensors of the recording
-    experiment: Experiment  # commanded or prescribed motion
-    nuisances: Nuisances  # small departures, of unknown size to the diagnosis
-    depth: float  # planned largest penetration [m]
 
 
 class _Motion(NamedTuple):
@@ -86,9 +44,9 @@ class _Motion(NamedTuple):
     force: Array
 
 
-def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) -> Run:
-    """Simulate the experiment of a rig, under a law or none, at a rate of steps [Hz]."""
-    t, planned = planned_motion(rig.experiment, rate)
+def simulate_rig(rig: World, law: ForeignLaw, rate: float, rng: Generator) -> Run:
+    """Simulate the experiment of a rig under a law at a rate of steps [Hz]."""
+    t, planned = _planned_motion(rig.experiment, rate)
     if rig.robot is None:
         motion = _prescribed(rig, law, t, planned)
         planned = np.zeros_like(planned)
@@ -96,15 +54,14 @@ def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) 
         motion = _pressed(rig, rig.robot, law, t, planned)
     with np.errstate(invalid='ignore'):  # a law that is too strong diverges; it is not usable
         a: Array = np.gradient(motion.v, t)
-    sensed = motion.force
-    if isinstance(law, SensorLaw):
-        sensed = law.sense(Signals(t, motion.x, motion.v, a, motion.force))
+    own = law if isinstance(law, SensorLaw) else SensorLaw({})
+    sensed = own.sense(Signals(t, motion.x, motion.v, a, motion.force))
     return Run(t, motion.x, motion.v, motion.force,
-               disturbed(t, motion.x, sensed, rig.nuisances, rng), *planned.T)
+               _disturbed(t, motion.x, sensed, rig.nuisances, rng), *planned.T)
 
 
 @lru_cache(maxsize=2)  # of the search and of the recording
-def planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
+def _planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
     """Sample an experiment at a rate [Hz]: times (N,) [s], position and derivatives (N, 3)."""
     t: Array = np.arange(int(experiment.duration * rate + 1e-6) + 1) / rate
     coarse: Array = t if rate <= _COMMAND_HZ else np.arange(
@@ -119,40 +76,34 @@ def planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
 # -- contact --------------------------------------------------------------------------------
 
 
-def _contact(
-    rig: Rig, law: ForeignLaw | None, dt: float, count: int
-) -> Callable[[float, float, float], float]:
+def _contact(rig: World, law: ForeignLaw, dt: float, count: int) -> Contact:
     """Return F_e as a function of t, x and v, called once a step."""
-    own = law if isinstance(law, ContactLaw) else None
+    own = law if isinstance(law, ContactLaw) else ContactLaw({})
     wall, cubic = rig.wall, rig.nuisances.cubic / rig.depth**2
-    K = wall.stiffness if own is None or own.keeps_spring else 0.0
-    B = wall.damping if own is None or own.keeps_damper else 0.0
+    K = wall.stiffness if own.keeps_spring else 0.0
+    B = wall.damping if own.keeps_damper else 0.0
     K_3, x_e, attached = cubic * wall.stiffness, wall.location, not wall.unilateral
-    state: Any = own.start(dt, count) if own else None
-    moves = own is not None and type(own).surface is not ContactLaw.surface
+    state: Any = own.start(dt, count)
+    moves = type(own).surface is not ContactLaw.surface
+    pulls = attached or own.pulls
 
     def force(t: float, x: float, v: float) -> float:
         nonlocal state
         d = x - x_e
-        if own is not None and moves:
+        if moves:
             shift, rate = own.surface(t)
             d, v = d - shift, v - rate
         if d <= 0.0 and not attached:
-            if own is None:
-                return 0.0
             pull, state = own.release(t, d, v, dt, state)
             return pull
-        resistance = K * d + B * v + K_3 * d * d * d
-        if own is None:
-            return -resistance if attached or resistance > 0.0 else 0.0
         further, state = own.respond(t, d, v, dt, state)
-        resistance += further
-        return -resistance if attached or own.pulls or resistance > 0.0 else 0.0
+        resistance = K * d + B * v + K_3 * d * d * d + further
+        return -resistance if pulls or resistance > 0.0 else 0.0
 
     return force
 
 
-def _prescribed(rig: Rig, law: ForeignLaw | None, t: Array, planned: Array) -> _Motion:
+def _prescribed(rig: World, law: ForeignLaw, t: Array, planned: Array) -> _Motion:
     """Evaluate the force of an attached specimen under a prescribed motion."""
     x, v, a = planned.T
     force = _contact(rig, law, float(t[1]), len(t))
@@ -163,24 +114,8 @@ def _prescribed(rig: Rig, law: ForeignLaw | None, t: Array, planned: Array) -> _
 # -- robot ----------------------------------------------------------------------------------
 
 
-def _drive(rig: Rig, law: ForeignLaw | None, dt: float) -> Callable[[float, float, float], float]:
-    """Return the driving force as a function of commanded force, x and v, called once a step."""
-    own = law if isinstance(law, RobotLaw) else None
-    most, friction = rig.nuisances.robot_friction, 0.0
-    state: Any = 0.0
-
-    def drive(u: float, x: float, v: float) -> float:
-        nonlocal friction, state
-        friction = min(most, max(-most, friction + most / _BEND_M * v * dt))
-        if own is not None:
-            u, state = own.drive(u, x, v, dt, state)
-        return u - friction
-
-    return drive
-
-
 def _pressed(
-    rig: Rig, robot: RobotParameters, law: ForeignLaw | None, t: Array, planned: Array
+    rig: World, robot: RobotParameters, law: ForeignLaw, t: Array, planned: Array
 ) -> _Motion:
     """
     Integrate M_t xdd = drive(u) + F_e with u of eq. (1) by the leapfrog scheme.
@@ -189,26 +124,26 @@ def _pressed(
     with memory (relays, sliders) have no rates that a Runge-Kutta method could evaluate.
     """
     h = float(t[1])
-    received = law.follow(t, planned) if isinstance(law, RobotLaw) else planned
-    contact, drive = _contact(rig, law, h, len(t)), _drive(rig, law, h)
-    tip = law.compliance() if law is not None else None
+    own = law if isinstance(law, RobotLaw) else RobotLaw({})
+    contact, tip = _contact(rig, law, h, len(t)), law.compliance()
+    most, friction = rig.nuisances.robot_friction, 0.0
+    state: Any = 0.0
     M, B, K = robot.mass, robot.damping, robot.stiffness
     start = float(planned[0, 0])
     body = _Rigid(M, contact, start) if tip is None else _Flexible(M, tip, contact, start)
     rows = []
-    for instant, (x_r, v_r, a_r) in zip(t.tolist(), received.tolist()):
+    for instant, (x_r, v_r, a_r) in zip(t.tolist(), own.follow(t, planned).tolist()):
         x, v = body.middle(h)
-        u = M * a_r - B * (v - v_r) - K * (x - x_r)
-        rows.append((x, v, body.step(instant, h, drive(u, x, v))))
+        friction = min(most, max(-most, friction + most / _BEND_M * v * h))
+        u, state = own.drive(M * a_r - B * (v - v_r) - K * (x - x_r), x, v, h, state)
+        rows.append((x, v, body.step(instant, h, u - friction)))
     return _Motion(*np.array(rows).T)
 
 
 class _Rigid:
     """A body whose measured position touches the wall."""
 
-    def __init__(
-        self, mass: float, contact: Callable[[float, float, float], float], x: float
-    ) -> None:
+    def __init__(self, mass: float, contact: Contact, x: float) -> None:
         self._mass, self._contact = mass, contact
         self._x, self._v, self._a = x, 0.0, 0.0
 
@@ -229,10 +164,7 @@ class _Rigid:
 class _Flexible:
     """A body in front of which a tip on a spring touches the wall."""
 
-    def __init__(
-        self, mass: float, tip: Compliance,
-        contact: Callable[[float, float, float], float], x: float,
-    ) -> None:
+    def __init__(self, mass: float, tip: Compliance, contact: Contact, x: float) -> None:
         self._mass, self._tip, self._contact = mass - tip.mass, tip, contact
         self._x, self._v, self._a = x, 0.0, 0.0
         self._y, self._w, self._b = x, 0.0, 0.0

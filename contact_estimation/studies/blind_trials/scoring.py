@@ -17,23 +17,25 @@ from typing import AbstractSet, Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
+from ...exceptions import RecordingError
 from ...figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
 from ...physics import EFFECTS
 
 NEUTRAL = ('force_bias', 'contact_offset')
 """Offsets beside other names on a rig, neither right nor wrong: every rig has small ones."""
 
-RIGHT, WRONG, SILENT, FAILED = 'right', 'wrong', 'silent', 'failed'
+RIGHT, WRONG, SILENT, FAILED = OUTCOMES = ('right', 'wrong', 'silent', 'failed')
 """Outcomes: an acceptable name first, another one first, no name, no report."""
 
 LIBRARY, CLEAN, FOREIGN, UNKNOWN, CLEAN_RIG = 'library', 'clean', 'foreign', 'unknown', 'clean rig'
-"""
-Kinds of trials.
+KINDS = {
+    LIBRARY: 'effects of the library', CLEAN: 'nothing missing',
+    FOREIGN: 'laws of the literature on rigs, scored by family',
+    UNKNOWN: 'laws on rigs that no family describes', CLEAN_RIG: 'rigs without a law',
+}
+"""Kinds of trials, with their meaning."""
 
-In worlds that obey the library's laws: with an effect, without. On rigs: with a law of which a
-family is acceptable, with one that no effect describes, without.
-"""
-
+_ON_RIGS = (FOREIGN, UNKNOWN, CLEAN_RIG)
 _NOT_SCORED = ('gamma', 'phase')  # parameters without a natural scale
 
 
@@ -51,7 +53,7 @@ class Score:
     """Score of one report."""
 
     trial: str  # name of the trial
-    kind: str  # LIBRARY, CLEAN, FOREIGN, UNKNOWN or CLEAN_RIG
+    kind: str  # key of KINDS
     law: str  # True effect or law; '' in a clean world
     families: list[str]  # acceptable ones; empty where no name is
     stage: str  # kind of experiment
@@ -82,40 +84,58 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
     """Score a trial."""
     report: Mapping[str, Any] = answer['report'] or {}
     effects, verdict = report.get('effects', []), str(report.get('verdict', ''))
-    kind, law, port, families, acceptable = _wanted(truth)
-    neutral = set() if kind in (LIBRARY, CLEAN) else set(NEUTRAL) - acceptable
-    names = scored_names(effects, acceptable, neutral)
-    outcome = outcome_of(bool(report), names)
+    kind, law, acceptable = truth['kind'], truth['law'], acceptable_names(truth)
+    names, outcome = judged(
+        answer['report'], acceptable, set(NEUTRAL) - acceptable if kind in _ON_RIGS else set())
     if kind == CLEAN and outcome == SILENT and verdict == 'unexplained':
         outcome = WRONG  # an accusation without a name
-    location, unknown = report.get('location') or {}, truth.get('unknown') or {}
+    location = report.get('location') or {}
     first = effects[0] if kind == LIBRARY and effects and effects[0]['name'] == law else None
     return Score(
-        trial=trial, kind=kind, law=law, families=families,
-        stage=truth.get('stage') or truth['experiment'], concealed=float(truth['concealed']),
-        verdict=verdict, names=names, outcome=outcome,
+        trial=trial, kind=kind, law=law, families=truth['families'], stage=truth['stage'],
+        concealed=float(truth['concealed']), verdict=verdict, names=names, outcome=outcome,
         surplus=any(not named.right for named in names[1:]),
-        port_right=location.get('port') == port if law else None,
+        port_right=location.get('port') == truth['port'] if law else None,
         overlap=overlap_of(
-            location.get('intervals_s', []), unknown['intervals_s']) if unknown else None,
-        parameter_errors=_parameter_errors(truth['effects'][0], first) if first else {},
+            location.get('intervals_s', []), truth['intervals_s']) if kind == UNKNOWN else None,
+        parameter_errors=_parameter_errors(truth, first) if first else {},
         stiffness_error=_percent(report, 'stiffness', truth),
         damping_error=_percent(report, 'damping', truth),
         error=str(answer['error']), seconds=float(answer['seconds']),
     )
 
 
-def _wanted(truth: Mapping[str, Any]) -> tuple[str, str, str, list[str], set[str]]:
-    """Return kind, law, port, right families and acceptable names of a trial."""
-    if 'law' in truth:
-        families = list(truth['families'])
-        kind = FOREIGN if families else UNKNOWN if truth['law'] else CLEAN_RIG
-        return kind, truth['law'], truth['port'], families, of_families(families)
-    if not truth['effects']:
-        return CLEAN, '', '', [], set()
-    effect = truth['effects'][0]
-    name = effect['name']
-    return LIBRARY, name, effect['port'], [EFFECTS[name].family], {name}
+def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
+    """Return the effects that a truth file asks for."""
+    if 'acceptable_names' in truth:
+        return set(truth['acceptable_names'])
+    if 'families' in truth:
+        return of_families(truth['families'])
+    if 'effects' in truth:
+        return {name for effect in truth['effects']
+                for name in (effect['name'], *effect.get('also', []))}
+    raise RecordingError(
+        f'a truth file must have acceptable_names, effects or families, got '
+        f'{", ".join(truth) or "nothing"}; add one of them')
+
+
+def of_families(families: Sequence[str]) -> set[str]:
+    """Return the effects of families."""
+    return {name for name, cls in EFFECTS.items() if cls.family in families}
+
+
+def judged(
+    report: Mapping[str, Any] | None, acceptable: AbstractSet[str], neutral: AbstractSet[str]
+) -> tuple[list[NamedEffect], str]:
+    """Return the names of a report that are not neutral, and the outcome."""
+    names = [NamedEffect(effect['name'], float(effect['probability']),
+                         bool(acceptable & {effect['name'], *effect['indistinguishable_from']}))
+             for effect in (report or {}).get('effects', []) if effect['name'] not in neutral]
+    if report is None:
+        return names, FAILED
+    if not names:
+        return names, SILENT
+    return names, RIGHT if names[0].right else WRONG
 
 
 def _percent(
@@ -125,40 +145,15 @@ def _percent(
     return 100.0 * (float(value) / truth[name] - 1.0) if value and truth.get(name) else None
 
 
-def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, float]:
-    neutral = EFFECTS[true['name']].neutral()
+def _parameter_errors(truth: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, float]:
+    neutral = EFFECTS[truth['law']].neutral()
     errors = {}
-    for name, value in true['parameters'].items():
+    for name, value in truth['parameters'].items():
         distance = value - neutral.get(name, 0.0)
         estimate = found['parameters'].get(name, {}).get('value')
         if name not in _NOT_SCORED and distance != 0.0 and estimate is not None:
             errors[name] = 100.0 * abs((estimate - value) / distance)
     return errors
-
-
-def of_families(families: Sequence[str]) -> set[str]:
-    """Return the effects of families."""
-    return {name for name, cls in EFFECTS.items() if cls.family in families}
-
-
-def scored_names(
-    effects: Sequence[Mapping[str, Any]], acceptable: AbstractSet[str], neutral: AbstractSet[str]
-) -> list[NamedEffect]:
-    """Score the names of a report."""
-    return [
-        NamedEffect(effect['name'], float(effect['probability']),
-                    bool(acceptable & {effect['name'], *effect['indistinguishable_from']}))
-        for effect in effects if effect['name'] not in neutral
-    ]
-
-
-def outcome_of(is_report: bool, names: Sequence[NamedEffect]) -> str:
-    """Return the outcome of a trial."""
-    if not is_report:
-        return FAILED
-    if not names:
-        return SILENT
-    return RIGHT if names[0].right else WRONG
 
 
 def overlap_of(reported: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
@@ -186,7 +181,7 @@ class Reliability(NamedTuple):
 def reliability(scores: Sequence[Score]) -> list[Reliability]:
     """Compare reported probabilities with the share of right names, on rigs."""
     given = [(named.probability, named.right) for score in scores for named in score.names
-             if score.kind in (FOREIGN, UNKNOWN, CLEAN_RIG)]
+             if score.kind in _ON_RIGS]
     table = []
     for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
         part = [(p, right) for p, right in given
@@ -239,12 +234,9 @@ def _wilson(share: float, count: int) -> tuple[float, float]:
     return float(middle - reach), float(middle + reach)
 
 
-_OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
-
-
 def outcomes(scores: Sequence[Score]) -> dict[str, int]:
     """Count outcomes."""
-    counts = {name: sum(s.outcome == name for s in scores) for name in _OUTCOMES}
+    counts = {name: sum(s.outcome == name for s in scores) for name in OUTCOMES}
     return {'trials': len(scores), **counts, 'surplus': sum(s.surplus for s in scores)}
 
 
@@ -273,7 +265,7 @@ def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
 
 def _by_kind(scores: Sequence[Score]) -> Mapping[str, list[Score]]:
     parts = {kind: [score for score in scores if score.kind == kind]
-             for kind in (LIBRARY, CLEAN, FOREIGN, UNKNOWN, CLEAN_RIG)}
+             for kind in KINDS}
     return {kind: part for kind, part in parts.items() if part}
 
 
@@ -281,9 +273,9 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
     """Format a study as tables."""
     lines = [f'{len(scores)} trials']
     for kind, part in _by_kind(scores).items():
-        lines += ['', f'{kind}: {_MEANINGS[kind]}', *_summary(kind, part)]
+        lines += ['', f'{kind}: {KINDS[kind]}', *_summary(kind, part)]
     for criterion, parts in groups(scores).items():
-        columns = ('trials', *_OUTCOMES, 'surplus')
+        columns = ('trials', *OUTCOMES, 'surplus')
         lines += ['', f'by {criterion}'.ljust(32) + ''.join(f'{name:>9}' for name in columns)]
         for label, part in parts.items():
             counts = outcomes(part)
@@ -293,13 +285,6 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
     lines += ['', f'{len(misses)} misses; recordings in {folder}']
     lines += [_miss_line(score) for score in misses]
     return '\n'.join(lines)
-
-
-_MEANINGS = {
-    LIBRARY: 'effects of the library', CLEAN: 'nothing missing',
-    FOREIGN: 'laws of the literature on rigs, scored by family',
-    UNKNOWN: 'laws on rigs that no family describes', CLEAN_RIG: 'rigs without a law',
-}
 
 
 def _summary(kind: str, part: Sequence[Score]) -> list[str]:
