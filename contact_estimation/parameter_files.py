@@ -28,6 +28,13 @@ def parameter_file(node: str, title: str, groups: Sequence[ParameterGroup]) -> s
     return '\n'.join(lines) + '\n'
 
 
+def parameter_sections(**nodes: Mapping[str, Any]) -> str:
+    """Write parameters, nested or by dotted name, as those of nodes; `any_node` is every one."""
+    return str(yaml.safe_dump(
+        {ANY_NODE if node == 'any_node' else node: {'ros__parameters': dict(values)}
+         for node, values in nodes.items()}, sort_keys=False))
+
+
 def _group_lines(values: ParameterGroup, indent: str) -> Iterator[str]:
     for field in dataclasses.fields(values):
         value = getattr(values, field.name)

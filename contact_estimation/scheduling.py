@@ -87,19 +87,6 @@ class DaskWorkers:
             yield key, answer
 
 
-def values_of(
-    started: Workers, calls: Mapping[str, Call], progress: Callable[[float, str], None]
-) -> dict[str, Any]:
-    """Return the value of each call by its key, or raise the first error."""
-    found = {}
-    for key, answer in started.answers(calls):
-        if answer.error is not None:
-            raise answer.error
-        found[key] = answer.value
-        progress(len(found) / len(calls), key)
-    return found
-
-
 class Finished(NamedTuple):
     """What a process printed, and what it took."""
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any, Iterable, Sequence
 
@@ -39,6 +40,16 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[Any]]) -> str
              for row in (columns, *rows)]
     lines.insert(1, ['---'] * len(columns))
     return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
+
+
+def write_whole(file: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    partial = file.with_name(file.name + '.partial')
+    with open(partial, 'wb') as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(partial, file)
 
 
 def require_content(path: Path) -> None:

@@ -324,4 +324,4 @@ def test_trials_count_the_first_name_beyond_friction(named: list[Any], outcome: 
     report = {'verdict': 'physics_missing', 'joints': [], 'effects': [
         {'name': name, 'family': family, 'joints': joints, 'place': ''}
         for name, family, joints in named]}
-    assert scored(truth, report, 'world')['outcome'] == outcome
+    assert scored(truth, {'report': report, 'error': ''}, 'world')['outcome'] == outcome

@@ -16,16 +16,15 @@ from contact_estimation.physics.prior import Scales
 from contact_estimation.plant.plant_parameters import RobotParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.scheduling import Finished
-from contact_estimation.studies.blind_trials import command as study
+from contact_estimation.studies.blind_trials import running
 from contact_estimation.studies.blind_trials.command import (
-    diagnose_blind, main, plan_effects, plan_study, PlannedTrial, run_trial)
+    main, plan_effects, plan_study, PlannedTrial)
 from contact_estimation.studies.blind_trials.concealment import residual
+from contact_estimation.studies.blind_trials.running import run_trial, TrialFiles, write_json
 from contact_estimation.studies.blind_trials.scoring import (
     as_text, RIGHT, Score, score, SILENT, WRONG)
 from contact_estimation.studies.blind_trials.settings import EFFECTS_OF_A_WALL, IDEAL
-from contact_estimation.studies.blind_trials.trial import Trial
-from contact_estimation.studies.blind_trials.trial_files import (
-    TrialFiles, write_json, write_trial)
+from contact_estimation.studies.blind_trials.trial import Trial, write_trial
 from contact_estimation.studies.blind_trials.world import Run, SensorModel, World
 import numpy as np
 from numpy.typing import NDArray
@@ -221,17 +220,10 @@ PLANNED = PlannedTrial('trial_x', 'force_bias', (0, 0, 0))
 def files(tmp_path_factory: pytest.TempPathFactory) -> TrialFiles:
     """Write the files of a short trial."""
     paths = TrialFiles.of(tmp_path_factory.mktemp('study'), 'trial_x')
-    write_trial(short_trial('force_bias', bias=2.0), paths, np.random.default_rng(0))
+    paths.recording.parent.mkdir()
+    write_json(paths.truth, write_trial(
+        short_trial('force_bias', bias=2.0), paths, np.random.default_rng(0)))
     return paths
-
-
-def done(folder: Path, planned: PlannedTrial, said: dict[str, Any]) -> TrialFiles:
-    """Write the files of a finished trial."""
-    files = TrialFiles.of(folder, planned.name)
-    told = truth(planned.effect) if planned.effect else truth()
-    write_json(files.truth, told)
-    write_json(files.report, said)
-    return files
 
 
 def test_the_diagnosis_command_does_not_contain_the_truth(
@@ -243,8 +235,8 @@ def test_the_diagnosis_command_does_not_contain_the_truth(
         said.extend(words)
         return Finished(1.0, 1.0, 'refused')
 
-    monkeypatch.setattr(study, 'finished', refused)
-    diagnose_blind(files)
+    monkeypatch.setattr(running, 'finished', refused)
+    run_trial(files.truth.parents[1], PLANNED)
     assert str(files.recording) in said
     assert not any('truth' in word or files.truth.parent.name in word for word in said)
     assert files.truth.parent not in (files.recording.parent, files.nominal.parent)
@@ -269,16 +261,23 @@ def test_finished_steps_of_a_trial_are_not_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
-    monkeypatch.setattr(study, 'draw_trial', lambda *_: calls.append('draw'))
-    monkeypatch.setattr(study, 'write_trial', lambda *_: calls.append('write'))
-    monkeypatch.setattr(study, 'diagnose_blind', lambda _: calls.append('diagnose'))
+
+    def write(planned: PlannedTrial, files: TrialFiles) -> dict[str, Any]:
+        calls.append('write')
+        return truth()
+
+    def refused(words: list[str], timeout_s: float) -> Finished:
+        calls.append('diagnose')
+        return Finished(1.0, 1.0, 'refused')
+
+    monkeypatch.setattr(PlannedTrial, 'write', write)
+    monkeypatch.setattr(running, 'finished', refused)
     run_trial(tmp_path, PLANNED)
-    assert calls == ['draw', 'write', 'diagnose']
+    assert calls == ['write', 'diagnose']
     calls.clear()
-    files = done(tmp_path, PLANNED, answer('force_bias'))
     run_trial(tmp_path, PLANNED)
     assert calls == []
-    files.report.unlink()
+    PLANNED.files(tmp_path).report.unlink()
     run_trial(tmp_path, PLANNED)
     assert calls == ['diagnose']
 

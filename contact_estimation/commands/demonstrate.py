@@ -12,11 +12,10 @@ import sys
 from typing import Any
 
 import numpy as np
-import yaml
 
 from .command_line import command, new_folder, Parser, require_at_least
 from ..exceptions import ContactEstimationError
-from ..parameter_files import read_parameter_file
+from ..parameter_files import parameter_sections, read_parameter_file
 from ..parameters import build, flatten, without
 from ..plant.plant_parameters import PlantNodeParameters, PlantParameters
 
@@ -88,10 +87,8 @@ def _loop(
 ) -> dict[str, Any]:
     """Run the loop in its own processes and return its summary."""
     parameters = output / f'{name}.yaml'
-    parameters.write_text(yaml.safe_dump({
-        'plant_node': {'ros__parameters': plant},
-        'estimator_node': {'ros__parameters': {**_ESTIMATOR, **estimator}},
-    }))
+    parameters.write_text(parameter_sections(
+        plant_node=plant, estimator_node={**_ESTIMATOR, **estimator}))
     _call('loop', '--experiment', 'rich', '--params', str(parameters), '--seed', str(seed),
           '--output', str(output / name))
     return dict(json.loads((output / name / 'summary.json').read_text()))
@@ -100,7 +97,7 @@ def _loop(
 def _diagnose(output: Path) -> dict[str, Any]:
     """Diagnose from recording and nominal model alone; return the report."""
     nominal = output / 'nominal.yaml'
-    nominal.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': NOMINAL}}))
+    nominal.write_text(parameter_sections(plant_node=NOMINAL))
     _call('diagnose', str(output / 'before' / 'recording'), '--nominal', str(nominal),
           '--json', str(output / 'report.json'), '--html', str(output / 'report.html'),
           '--write-model', str(output / 'corrected.yaml'))

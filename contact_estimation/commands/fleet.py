@@ -17,12 +17,13 @@ from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, skipped_files
 from ..fleet.one_recording import Settings
 from ..fleet.page import as_html
-from ..fleet.run import Fleet, run_fleet, write_whole
+from ..fleet.run import Fleet, run_fleet
 from ..fleet.table import as_parquet, require_pyarrow
 from ..parameters import without
 from ..plant.plant_parameters import read_model
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
+from ..texts import write_whole
 
 
 def make_parser() -> Parser:

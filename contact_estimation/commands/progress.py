@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Any, Callable, Mapping
 
 from tqdm import tqdm
+
+from ..scheduling import Call, workers
 
 _FORMAT = '{desc} {percentage:5.1f} %|{bar}| {remaining} left{postfix}'
 
@@ -40,3 +42,18 @@ class Progress:
     def done(self) -> None:
         """Clear the bar."""
         self._bar.close()
+
+
+def computed(
+    name: str, calls: Mapping[str, Call], jobs: int | None, scheduler: str | None = None
+) -> dict[str, Any]:
+    """Return the value of each call by its key, or raise the first error, with a progress bar."""
+    progress, found = Progress(name), {}
+    with workers(scheduler, jobs) as started:
+        for key, answer in started.answers(calls):
+            if answer.error is not None:
+                raise answer.error
+            found[key] = answer.value
+            progress.show(len(found) / len(calls), key)
+    progress.done()
+    return found

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import json
-import os
 from pathlib import Path
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
@@ -20,7 +19,7 @@ from .one_recording import (
     Settings)
 from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
-from ..texts import json_content, printable
+from ..texts import json_content, printable, write_whole
 
 _RESULTS, _PAGES = 'finished', 'recordings'
 
@@ -62,16 +61,6 @@ class Finished:
 
 def _page_name(key: str) -> str:
     return f'{key[:16]}.html'
-
-
-def write_whole(file: Path, data: bytes) -> None:
-    """Write a file whole or not at all."""
-    partial = file.with_name(file.name + '.partial')
-    with open(partial, 'wb') as stream:
-        stream.write(data)
-        stream.flush()
-        os.fsync(stream.fileno())
-    os.replace(partial, file)
 
 
 _LEAST = 3  # recordings: two to fit and one to leave out

@@ -16,7 +16,7 @@ from typing import Any, Collection
 import yaml
 
 from ..exceptions import RecordingError
-from ..texts import yaml_file
+from ..texts import write_whole, yaml_file
 
 
 # What rmw calls an infinite duration.
@@ -117,12 +117,8 @@ def bag_information(
 
 def write_bag_metadata(folder: Path, information: dict[str, Any]) -> None:
     """Write metadata.yaml atomically."""
-    temporary = folder / (FILE_NAME + '.tmp')
-    temporary.write_text(
-        yaml.safe_dump({'rosbag2_bagfile_information': information}, sort_keys=False),
-        encoding='utf-8',
-    )
-    os.replace(temporary, folder / FILE_NAME)
+    text = yaml.safe_dump({'rosbag2_bagfile_information': information}, sort_keys=False)
+    write_whole(folder / FILE_NAME, text.encode('utf-8'))
 
 
 def _topic_entry(topic: RecordedTopic) -> dict[str, Any]:

@@ -14,11 +14,9 @@ import sys
 import time
 from typing import Any, Callable, Mapping, NamedTuple
 
-import yaml
-
 from .estimator_node_parameters import EstimatorNodeParameters
 from ..exceptions import MissingPackageError, ParameterRangeError
-from ..parameter_files import ANY_NODE, read_parameter_file
+from ..parameter_files import ANY_NODE, parameter_sections, read_parameter_file
 from ..parameters import build, ParameterGroup, specifications, without
 from ..pipeline.parameters import EstimationParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantNodeParameters, PlantParameters
@@ -128,8 +126,7 @@ def write_parameters(
         'plant_node': {**plant, 'summary_file': str(plant_summary or '')},
         'recorder_node': {'output': str(recording)},
     }
-    nested = {node: {'ros__parameters': dict(values)} for node, values in nodes.items()}
-    path.write_text(yaml.safe_dump(nested, sort_keys=False))
+    path.write_text(parameter_sections(**nodes))
 
 
 _POLL_S = 0.05

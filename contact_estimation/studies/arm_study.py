@@ -17,19 +17,19 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
-import yaml
 
 from .arm_concealed_laws import ENGINE
 from .arm_models import (
     Arm, ARMS, description_of, mujoco, mujoco_model, SENSOR, TIP, TOOL_CENTRE, TOOL_MASS)
 from .arm_simulation import ArmSimulation, Run, TIMESTEP, World
-from .blind_trials.arm_trials import arm_text, run_arm_trials
+from .blind_trials.arm_trials import arm_text, plan_arms, scored
+from .blind_trials.running import run_trials
 from ..commands import calibrate_tool, diagnose, replay
 from ..commands.command_line import command, new_folder, Parser, require_at_least
 from ..exceptions import EstimationError, UnknownNameError
 from ..figures import BLUE, figure_style, GREY, INK, new_figure, ORANGE
 from ..kinematics.robot_model import RobotModel
-from ..parameter_files import read_parameter_file
+from ..parameter_files import parameter_sections, read_parameter_file
 from ..recordings import RecordingWriter
 from ..recordings.encoding import encode_arm, encode_string, TrajectoryEncoder, WrenchEncoder
 from ..texts import markdown_table
@@ -98,10 +98,10 @@ class StudiedArm:
         run, world, recording = self.touched(
             seed, _FRICTION_N if concealed == 'joint friction' else 0.0)
         tool = {**self._tool(), **({'tool.mass': 0.0} if concealed == 'tool mass' else {})}
-        self.path('nominal.yaml').write_text(yaml.safe_dump({'plant_node': {'ros__parameters': {
+        self.path('nominal.yaml').write_text(parameter_sections(plant_node={
             'environment': {'stiffness': world.K_e * _NOMINAL['stiffness'],
                             'damping': world.B_e * _NOMINAL['damping'], 'location': run.location},
-            'robot': run.impedance}}}))
+            'robot': run.impedance}))
         return self._called(diagnose.main, 'diagnosis.json', [
             str(recording), '--nominal', str(self.path('nominal.yaml')), '--seed', str(seed),
             *self._params({**self.parameters(run), **tool})])
@@ -118,10 +118,9 @@ class StudiedArm:
         return read_parameter_file(self.path('tool_0.yaml'), 'estimator_node')
 
     def _params(self, values: Mapping[str, Any]) -> list[str]:
-        self.path('params.yaml').write_text(
-            yaml.safe_dump({'/**': {'ros__parameters': {
-                name: [*value] if isinstance(value, tuple) else value
-                for name, value in values.items()}}}))
+        self.path('params.yaml').write_text(parameter_sections(any_node={
+            name: [*value] if isinstance(value, tuple) else value
+            for name, value in values.items()}))
         return ['--params', str(self.path('params.yaml'))]
 
     def _called(self, main: Callable[..., int], name: str, words: list[str]) -> dict[str, Any]:
@@ -248,7 +247,9 @@ def run(options: Any) -> int:
     if options.concealed:
         folder = Path(options.output)
         folder.mkdir(parents=True, exist_ok=True)
-        text = arm_text(run_arm_trials(folder, options.concealed, options.seed, engine=ENGINE))
+        planned = plan_arms(options.concealed, [options.seed], engine=ENGINE)
+        text = arm_text([scored(*one, arm.name) for arm, one in zip(
+            planned, run_trials(folder, planned, jobs=1))])
     else:
         folder = new_folder(options.output)
         arms = [StudiedArm(ARMS[name], folder) for name in options.arms or ARMS]

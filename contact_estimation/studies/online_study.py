@@ -23,10 +23,10 @@ from .online_row import follow, messages, Row, Score, Trace
 from .online_worlds import World
 from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
-from ..commands.progress import Progress
+from ..commands.progress import computed
 from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError
-from ..scheduling import Call, values_of, workers
+from ..scheduling import Call
 from ..signals.synchronisation import SynchronisationParameters, Synchroniser
 from ..texts import markdown_table
 
@@ -134,10 +134,7 @@ def _scores(
              for world in range(ROWS[row].quick if options.quick else ROWS[row].worlds)]
     calls = {f'{row} {world} {candidate}': Call(scored, (candidate, row, world, seed))
              for candidate, row, world, seed in tasks}
-    progress = Progress('online_study')
-    with workers(None, options.jobs) as started:
-        found = values_of(started, calls, progress.show)
-    progress.done()
+    found = computed('online_study', calls, options.jobs)
     scores: dict[tuple[str, str], list[Score]] = {}
     for (candidate, row, *_), key in zip(tasks, calls):
         scores.setdefault((candidate, row), []).append(found[key])

@@ -11,15 +11,15 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_trials.command import diagnosed
+from .blind_trials.running import diagnosed
 from .blind_trials.scoring import (
     acceptable_names, FAILED, judged, NEUTRAL, of_families, RIGHT, SILENT)
 from ..commands.command_line import check_outputs, command, Parser, require_at_least, write_results
-from ..commands.progress import Progress
+from ..commands.progress import computed
 from ..diagnosis.observe.signals import read_recording
 from ..exceptions import RecordingError
 from ..physics import EFFECTS
-from ..scheduling import Call, values_of, workers
+from ..scheduling import Call
 from ..texts import markdown_table
 
 CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
@@ -202,18 +202,14 @@ def _read_truth(path: Path) -> Mapping[str, Any]:
 
 def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
     """Diagnose records in parallel processes."""
-    progress = Progress('records')
-    with workers(None, jobs) as started:
-        rows = values_of(started, {one.name: Call(row_of, (one,)) for one in records},
-                         progress.show)
-    progress.done()
+    rows = computed('records', {one.name: Call(row_of, (one,)) for one in records}, jobs)
     return [rows[one.name] for one in records]
 
 
 def row_of(record: Record) -> Row:
     """Diagnose without the truth, and compare with it."""
     holdout = [] if record.holdout is None else ['--holdout', str(record.holdout)]
-    answer = diagnosed(record.recording, record.nominal, *holdout)
+    answer = diagnosed(record.recording, '--nominal', str(record.nominal), *holdout)
     truth, found = record.truth or {}, answer.report or {}
     force = found.get('fit', {}).get('force_rmse_n', {})
     std = _force_std(record.holdout or record.recording) if found else 1.0

@@ -8,27 +8,23 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from functools import partial
-import json
 from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...diagnosis.arm.arm_recording import read_arm_recording
-from ...diagnosis.arm.conclude import diagnose_arm
-from ...diagnosis.arm.contact import diagnose_contact
-from ...diagnosis.arm.result import ArmDiagnosis
-from ...diagnosis.arm.text import as_dict
-from ...diagnosis.report.json_report import as_dict as contact_dict
+from .running import TrialFiles
+from .trial import nominal_model
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ...parameter_files import parameter_sections
 from ...parameters import build
 from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw
 from ...physics.joint_effects import JOINT_EFFECTS
 from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
-from ...plant.plant_parameters import PlantParameters
+from ...plant.plant_parameters import PlantParameters, WallParameters
 from ...recordings.encoding import encode_arm, WrenchEncoder
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory, pressing_motion
@@ -156,8 +152,11 @@ class Engine(NamedTuple):
     simulate: Callable[..., SimulatedArm]  # of the description, then as `simulate_arm`
 
 
-OWN = Engine({name: partial(arm_description, name) for name in ARM_MODELS},
-             lambda urdf, *given: simulate_arm(*given))
+def _own(urdf: str, *given: Any) -> SimulatedArm:
+    return simulate_arm(*given)
+
+
+OWN = Engine({name: partial(arm_description, name) for name in ARM_MODELS}, _own)
 
 
 def _drawn(
@@ -234,9 +233,59 @@ def _disturbed(one: _Arm, rng: np.random.Generator) -> tuple[int, Array]:
     return j, extra
 
 
+class PlannedArm(NamedTuple):
+    """A trial of an arm, not drawn yet; see `running.Planned`."""
+
+    name: str
+    kind: str  # what is concealed
+    number: int
+    seed: int
+    pressing: bool
+    engine: Engine
+
+    def files(self, folder: Path) -> TrialFiles:
+        """Return the paths of its files."""
+        return TrialFiles.of(folder, self.name, nominal='.urdf', truth='.json')
+
+    def write(self, files: TrialFiles) -> dict[str, Any]:
+        """Draw the trial, write what is handed over, and return the truth."""
+        urdf, states, truth = _drawn(
+            self.kind, self.number, self.seed, self.pressing, self.engine)
+        files.nominal.write_text(urdf)
+        dynamics = ArmDynamics(urdf)
+        write_arm_recording(files.recording, dynamics.joints, states)
+        if self.pressing:
+            tip = dynamics.pose(np.array(PRESSING[truth['arm']]), TIP)[1]
+            wall = WallParameters(_STIFFNESS, _DAMPING, _SURFACE - float(tip[2]))
+            files.nominal.with_suffix('.nominal.yaml').write_text(nominal_model(wall, None))
+            files.nominal.with_suffix('.params.yaml').write_text(parameter_sections(
+                any_node={'kinematics.base': 'base', 'kinematics.tip': TIP,
+                          'contact.normal': _DOWN.tolist()}))
+        return truth
+
+    def options(self, files: TrialFiles) -> list[str]:
+        """Return the options of `diagnose` that hand over all but the recording."""
+        wall = ['--nominal', str(files.nominal.with_suffix('.nominal.yaml')),
+                '--params', str(files.nominal.with_suffix('.params.yaml'))]
+        return ['--nominal-robot', str(files.nominal), *(wall if self.pressing else [])]
+
+
+def plan_arms(
+    count: int, seeds: Sequence[int], pressing: bool = False, engine: Engine = OWN
+) -> list[PlannedArm]:
+    """
+    Plan trials of arms.
+
+    With `pressing` the arms press on a wall, under a Cartesian impedance that the diagnosis is not
+    told, and what they touch is diagnosed, too.
+    """
+    kinds = PRESSED if pressing else [*KINDS, CLEAN, UNKNOWN]
+    return [PlannedArm(f'{"press" if pressing else "arm"}_{seed}_{k:03d}', kinds[k % len(kinds)],
+                       k, seed, pressing, engine) for seed in seeds for k in range(count)]
+
+
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
     """Write joint states as an .mcap file; the parameters are those of `SimulatedArm`."""
-    path.unlink(missing_ok=True)
     with RecordingWriter.file(path) as writer:
         for t, q, v, tau in zip(states.t, states.q, states.v, states.tau):
             stamp = round(1e9 * t)
@@ -249,83 +298,35 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
                          encoder.encode(stamp, *wrench), stamp)
 
 
-def run_arm_trials(
-    folder: Path, count: int, seed: int,
-    progress: Callable[[float, str], None] = lambda share, world: None,
-    only_write: bool = False, pressing: bool = False, engine: Engine = OWN,
-) -> list[dict[str, Any]]:
-    """
-    Draw worlds, diagnose them blind, and score; what is in the folder already is used again.
-
-    With `pressing` the arms press on a wall, under a Cartesian impedance that the diagnosis is not
-    told, and what they touch is diagnosed, too.
-    """
-    given, sealed, reports = (folder / name for name in ('handed_over', 'sealed', 'reports'))
-    for one in (given, sealed, reports):
-        one.mkdir(parents=True, exist_ok=True)
-    kinds, outcomes = PRESSED if pressing else [*KINDS, CLEAN, UNKNOWN], []
-    for k in range(count):
-        kind = kinds[k % len(kinds)]
-        stem = f'{"press" if pressing else "arm"}_{seed}_{k:03d}'
-        recording, urdf = given / f'{stem}.mcap', given / f'{stem}.urdf'
-        truth, report = sealed / f'{stem}.json', reports / f'{stem}.json'
-        progress(k / count, stem)
-        if not truth.exists():
-            text, states, drawn = _drawn(kind, k, seed, pressing, engine)
-            urdf.write_text(text)
-            write_arm_recording(recording, ArmDynamics(text).joints, states)
-            truth.write_text(json.dumps(drawn, indent=1) + '\n')
-        if only_write:
-            continue
-        if not report.exists():
-            diagnosis = diagnose_arm(read_arm_recording(recording), urdf.read_text())
-            found = as_dict(diagnosis)
-            if pressing:
-                found = _with_contact(found, recording, urdf, diagnosis)
-            report.write_text(json.dumps(found, indent=1) + '\n')
-        outcomes.append(scored(
-            json.loads(truth.read_text()), json.loads(report.read_text()), stem))
-    return outcomes
-
-
-def _with_contact(
-    report: dict[str, Any], recording: Path, urdf: Path, diagnosis: ArmDiagnosis
+def scored(
+    truth: Mapping[str, Any], answer: Mapping[str, Any], world: str
 ) -> dict[str, Any]:
-    """Return a report with the names of what the arm touches, after those of its joints."""
-    dynamics = ArmDynamics(urdf.read_text())
-    nominal = build(PlantParameters, {
-        'environment.stiffness': _STIFFNESS, 'environment.damping': _DAMPING,
-        'environment.location': _SURFACE - float(
-            dynamics.pose(np.array(PRESSING[dynamics.model.name]), TIP)[1][2])})
-    contact = contact_dict(diagnose_contact([recording], urdf, nominal, arm=diagnosis, parameters={
-        'kinematics.base': 'base', 'kinematics.tip': TIP, 'contact.normal': _DOWN.tolist()}))
-    names = [{**one, 'joints': [], 'link': None, 'place': 'the wall'}
-             for one in contact['effects']]
-    bad = 'unexplained' in (report['verdict'], contact['verdict'])
-    return {**report, 'contact': contact, 'effects': report['effects'] + names,
-            'verdict': 'unexplained' if bad else report['verdict']}
-
-
-def scored(truth: Mapping[str, Any], report: Mapping[str, Any], world: str) -> dict[str, Any]:
-    """Score a report: the first name beyond friction, which every arm has, by family and place."""
-    beyond = [one for one in report['effects'] if one['family'] != 'friction']
-    friction = [one for one in report['effects'] if one['family'] == 'friction']
+    """Score an answer: the first name beyond friction, which every arm has: family and place."""
+    report = answer['report'] or {'effects': [], 'joints': [], 'verdict': answer['error']}
+    contact = report.get('contact') or {'effects': [], 'verdict': ''}
+    effects = report['effects'] + [{**one, 'joints': [], 'place': 'the wall'}
+                                   for one in contact['effects']]
+    verdict = contact['verdict'] if contact['verdict'] == 'unexplained' else report['verdict']
+    beyond = [one for one in effects if one['family'] != 'friction']
+    friction = [one for one in effects if one['family'] == 'friction']
     wanted = truth['effects'][0] if truth['effects'] else None
     first = beyond[0] if beyond else None
-    if wanted is None:
-        outcome = 'accused' if first or report['verdict'] == 'unexplained' else 'right'
+    if answer['report'] is None:
+        outcome = 'failed'
+    elif wanted is None:
+        outcome = 'accused' if first or verdict == 'unexplained' else 'right'
     elif wanted['name'] == UNKNOWN:
         bad = [one['name'] for one in report['joints'] if one['verdict'] == 'unexplained']
         outcome = 'right' if wanted['place'] in bad else 'wrong' if first else 'silent'
     elif first is None and wanted['family'] != 'friction':
         outcome = 'silent'
     else:
-        first = first or (friction[0] if friction else {'family': '', 'joints': [], 'link': None})
+        first = first or (friction[0] if friction else {'family': '', 'joints': []})
         place = wanted['place'] in (None, *first['joints'])
         outcome = 'right' if first['family'] == wanted['family'] and place else 'wrong'
     named = [f'{one["name"]} at {one["place"]}' for one in (beyond or friction[:1])]
     return {'world': world, 'kind': truth['kind'], 'outcome': outcome, 'named': named,
-            'place': wanted and wanted['place'], 'arm': truth['arm'], 'verdict': report['verdict']}
+            'place': wanted and wanted['place'], 'arm': truth['arm'], 'verdict': verdict}
 
 
 def arm_text(outcomes: Sequence[Mapping[str, Any]]) -> str:

@@ -6,28 +6,22 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from pathlib import Path
-import sys
-import tempfile
-from typing import Any, Callable, Iterable, NamedTuple, Sequence
+from typing import Any, Iterable, NamedTuple, Sequence
 
 import numpy as np
 
-from .arm_trials import arm_text, run_arm_trials
+from .arm_trials import arm_text, plan_arms, scored
 from .calibration import calibrate, judged
 from .foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
-from .scoring import as_dict, as_text, plot_reliability, Score, score
+from .running import run_trials, TrialFiles
+from .scoring import as_dict, as_text, plot_reliability, score
 from .settings import EFFECTS_OF_A_WALL, IDEAL, RIGS
-from .trial import draw_trial
-from .trial_files import TrialFiles, write_json, write_trial
+from .trial import draw_trial, write_trial
 from ...commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
-from ...commands.progress import Progress
 from ...exceptions import ParameterRangeError
-from ...scheduling import Call, finished, values_of, Workers, workers
 
-_TIMEOUT_S = 1800.0  # of one diagnosis
 _ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
 _EVERY_CLEAN = 9
 
@@ -40,6 +34,19 @@ class PlannedTrial(NamedTuple):
     seed: tuple[int, int, int]  # seed of all random draws of the trial
     # whether on a rig with nuisances, else in a world that obeys the library's laws exactly
     on_rig: bool = False
+
+    def files(self, folder: Path) -> TrialFiles:
+        """Return the paths of its files."""
+        return TrialFiles.of(folder, self.name)
+
+    def write(self, files: TrialFiles) -> dict[str, Any]:
+        """Draw the trial, write what is handed over, and return the truth."""
+        rng, setting = np.random.default_rng(self.seed), RIGS if self.on_rig else IDEAL
+        return write_trial(draw_trial(setting, self.effect, rng), files, rng)
+
+    def options(self, files: TrialFiles) -> list[str]:
+        """Return the options of `diagnose` that hand over all but the recording."""
+        return ['--nominal', str(files.nominal)]
 
 
 def plan_study(
@@ -69,69 +76,6 @@ def _plan_foreign(count: int, seed: int) -> list[str]:
 
 def _name(seed: tuple[int, int, int]) -> str:
     return 'trial_' + hashlib.sha256(repr(seed).encode()).hexdigest()[:8]
-
-
-def run_study(
-    folder: Path, trials: Sequence[PlannedTrial], workers: Workers,
-    progress: Callable[[float, str], None], only_write: bool = False,
-) -> list[Score]:
-    """Run the remaining trials of a study and score all."""
-    calls = {trial.name: Call(run_trial, (folder.absolute(), trial, only_write))
-             for trial in trials}
-    values_of(workers, calls, progress)
-    if only_write:
-        return []
-    return [score(trial.name, *_truth_and_answer(folder, trial)) for trial in trials]
-
-
-def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> None:
-    """Run the missing steps of a trial."""
-    files = TrialFiles.of(folder, planned.name)
-    if not files.truth.exists():
-        rng = np.random.default_rng(planned.seed)
-        setting = RIGS if planned.on_rig else IDEAL
-        write_trial(draw_trial(setting, planned.effect, rng), files, rng)
-        files.report.unlink(missing_ok=True)
-    if not only_write and not files.report.exists():
-        diagnose_blind(files)
-
-
-def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
-    files = TrialFiles.of(folder, planned.name)
-    return json.loads(files.truth.read_text()), json.loads(files.report.read_text())
-
-
-def diagnose_blind(files: TrialFiles) -> None:
-    """Diagnose a trial, given recording and nominal model only, and write the answer."""
-    found = diagnosed(files.recording, files.nominal, timeout_s=_TIMEOUT_S)
-    write_json(files.report, {'report': found.report, 'error': found.error,
-                              'seconds': round(found.wall_s, 1), 'comparison': found.comparison})
-
-
-class Answer(NamedTuple):
-    """What a diagnosis answers, and what it takes."""
-
-    report: dict[str, Any] | None  # None after a failure
-    comparison: Any  # of the models, from which constants are fitted
-    error: str  # message of a failure; '' on success
-    # wall_s, cpu_s: elapsed time, and processor time [s]
-    wall_s: float
-    cpu_s: float
-
-
-def diagnosed(
-    recording: Path, nominal: Path, *options: str, timeout_s: float | None = None
-) -> Answer:
-    """Diagnose in a process of its own, which is given nothing else."""
-    with tempfile.TemporaryDirectory() as folder:
-        output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
-        done = finished([
-            sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
-            '--nominal', str(nominal), '--json', str(output), '--write-comparison', str(models),
-            *options], timeout_s)
-        report, comparison = (None if done.error else json.loads(path.read_text())
-                              for path in (output, models))
-    return Answer(report, comparison, done.error, done.wall_s, done.cpu_s)
 
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign', 'arms')
@@ -193,41 +137,39 @@ def run(options: Any) -> int:
     check_outputs([options.json, options.calibrate], {})
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    progress = Progress('blind_trials')
-    if options.arms:
-        _run_arms(folder, options, progress)
-    if any(getattr(options, kind) for kind in _KINDS[:-1]):
-        _run_contacts(folder, options, progress)
-    progress.done()
+    jobs = options.jobs or (None if options.scheduler else 1)
+    arms = plan_arms(options.arms, options.seed, options.pressing)
+    trials = [one for seed in options.seed for one in plan_study(
+        options.count, options.clean, seed, options.unknown, options.foreign)]
+    told_arms, told = (run_trials(folder, some, jobs, options.scheduler, options.only_write)
+                       if some else [] for some in (arms, trials))
+    if options.only_write:
+        print(f'wrote {len(arms) + len(trials)} trials to {folder / "handed_over"}, truths to '
+              f'{folder / "sealed"}')
+        return 0
+    if arms:
+        _report_arms(folder, [scored(*one, arm.name) for arm, one in zip(arms, told_arms)])
+    if trials:
+        _report(folder, trials, told, options)
     return 0
 
 
-def _run_arms(folder: Path, options: Any, progress: Progress) -> None:
-    outcomes = [one for seed in options.seed for one in run_arm_trials(
-        folder, options.arms, seed, progress.show, options.only_write, options.pressing)]
-    if outcomes:
-        print(arm_text(outcomes))
-        (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
-        (folder / 'arms.json').write_text(as_json(outcomes))
+def _report_arms(folder: Path, outcomes: Sequence[dict[str, Any]]) -> None:
+    print(arm_text(outcomes))
+    (folder / 'arms.txt').write_text(arm_text(outcomes) + '\n')
+    (folder / 'arms.json').write_text(as_json(outcomes))
 
 
-def _run_contacts(folder: Path, options: Any, progress: Progress) -> None:
-    trials = [one for seed in options.seed for one in plan_study(
-        options.count, options.clean, seed, options.unknown, options.foreign)]
-    with workers(options.scheduler, options.jobs or (None if options.scheduler else 1)) as started:
-        scores = run_study(folder, trials, started, progress.show, options.only_write)
-    progress.done()
-    if options.only_write:
-        print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
-              f'{folder / "sealed"}')
-        return
+def _report(
+    folder: Path, trials: Sequence[PlannedTrial], told: Sequence[tuple[Any, Any]], options: Any
+) -> None:
+    scores = [score(trial.name, *one) for trial, one in zip(trials, told)]
     text = as_text(scores, str(folder / 'handed_over'))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')
     write_results(options, {'json': lambda: as_json(as_dict(scores, options.seed))})
     if options.calibrate:
-        found = [judged(*_truth_and_answer(folder, trial)) for trial in trials]
-        fitted = calibrate([one for one in found if one is not None])
+        fitted = calibrate([one for one in map(judged, *zip(*told)) if one is not None])
         print(fitted.text())
         fitted.write(Path(options.calibrate))
     print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from math import exp, inf, log
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,23 @@ from numpy.random import Generator
 
 from .concealment import active_intervals, conceal, degree, residual
 from .draws import digits, draw_nominal
+from .running import TrialFiles
 from .scoring import CLEAN, CLEAN_RIG, FOREIGN, LIBRARY, of_families, UNKNOWN
 from .settings import Setting
-from .world import Run, World
+from .world import measure, Measurement, Run, World
+from ...parameter_files import parameter_sections
 from ...physics.prior import log_uniform, Values
-from ...plant.plant_parameters import WallParameters
+from ...plant.plant_parameters import RobotParameters, WallParameters
+from ...recordings import RecordingWriter
+from ...recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 
 _MIN_CONTACT_S = 2.0
 _EXACT, _EXACT_CLEAN = 0.1, 0.4  # probability that K_e and B_e are those of the nominal model
 _ANY_STRENGTH = 0.01, 0.3
 _USELESS = 1e3  # degree
+_EPOCH_NS = 1_760_000_000_000_000_000
+_JOINT = 'contact_axis'
+_TRANSPORT_NS = 150_000  # from stamp to log time
 
 
 @dataclass(frozen=True)
@@ -127,3 +135,53 @@ def _is_usable(setting: Setting, world: World, run: Run) -> bool:
         return True
     return run.contact_s > _MIN_CONTACT_S and bool(
         np.max(np.abs(run.force)) < setting.most_force(world))
+
+
+# -- files ------------------------------------------------------------------------------------
+
+
+def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> dict[str, Any]:
+    """Simulate a trial, write recording and nominal model, and return the truth."""
+    world, run = trial.world, trial.simulate(rng)
+    measurement = measure(run, world.sensors, rng)
+    _write_recording(files.recording, measurement, world.sensors.velocity_noise is not None,
+                     world.robot is not None)
+    files.nominal.write_text(nominal_model(trial.nominal, world.robot))
+    return trial.truth(run, measurement.force_floor)
+
+
+def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
+    """Write the nominal model: the wall as modelled, the true robot."""
+    environment = {'stiffness': wall.stiffness, 'damping': wall.damping, 'location': wall.location}
+    values: dict[str, Any] = {'environment': environment}
+    if not wall.unilateral:
+        environment.update(inertia=wall.inertia, unilateral=False)
+    if robot is not None:
+        values['robot'] = {
+            'mass': robot.mass, 'damping': robot.damping, 'stiffness': robot.stiffness}
+    return parameter_sections(plant_node=values)
+
+
+def _write_recording(
+    path: Path, measurement: Measurement, with_velocity: bool, with_reference: bool
+) -> None:
+    wrench = WrenchEncoder('tool')
+    joint = JointStateEncoder('base', _JOINT, with_velocity)
+    reference = TrajectoryEncoder('base', _JOINT)
+    topics = (
+        (measurement.force, '/wrench', 'geometry_msgs/msg/WrenchStamped',
+         lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
+        (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
+         lambda stamp, motion: joint.encode(stamp, *motion)),
+        (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
+    )
+    messages = [
+        (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
+        for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
+    ]
+    messages.sort(key=lambda message: message[0])
+    with RecordingWriter.file(path) as writer:
+        for stamp, topic, type_name, data in messages:
+            writer.write(topic, type_name, data, stamp + _TRANSPORT_NS)
