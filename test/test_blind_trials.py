@@ -297,6 +297,17 @@ def test_a_finished_study_of_rigs_is_scored_by_family(
         'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0, 'failed': 0, 'surplus': 0}}
 
 
+def test_trials_of_another_version_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (planned,) = plan_study(0, 1, 0)
+    files = TrialFiles.of(tmp_path, planned.name)
+    write_json(files.truth, {'effects': []})
+    write_json(files.report, answer())
+    assert main(['--clean', '1', '--output', str(tmp_path)]) == 1
+    assert 'must hold trials of this version' in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_the_command_draws_diagnoses_and_scores_trials(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -83,13 +83,8 @@ def description_of(arm: Arm) -> str:
     return ElementTree.tostring(robot, encoding='unicode')
 
 
-def mujoco_model(urdf: str, timestep: float, friction: Array | None = None) -> Any:
-    """
-    Build the MuJoCo model of a description, with a force and a torque sensor at the wrist.
-
-    timestep: step [s]
-    friction (n,): dry friction of the joints [N m]
-    """
+def mujoco_model(urdf: str, timestep: float) -> Any:
+    """Build the MuJoCo model of a description, with a force and a torque sensor at the wrist."""
     package, robot = mujoco(), ElementTree.fromstring(urdf)
     extension = ElementTree.SubElement(robot, 'mujoco')
     ElementTree.SubElement(extension, 'compiler', fusestatic='false', balanceinertia='true')
@@ -101,10 +96,7 @@ def mujoco_model(urdf: str, timestep: float, friction: Array | None = None) -> A
         spec.add_sensor(type=kind, name=name, objname=SENSOR,
                         objtype=package.mjtObj.mjOBJ_SITE)
     spec.option.timestep = timestep
-    model = spec.compile()
-    if friction is not None:
-        model.dof_frictionloss[:] = friction
-    return model
+    return spec.compile()
 
 
 def _strip(robot: ElementTree.Element, removed: tuple[str, ...]) -> None:

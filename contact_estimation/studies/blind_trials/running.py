@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol, Sequence
 
 from ...commands.command_line import as_json
 from ...commands.progress import computed
+from ...exceptions import ParameterRangeError
 from ...scheduling import Call, finished
 from ...texts import write_whole
 
@@ -62,10 +63,17 @@ def run_trials(
     computed('blind_trials', {
         trial.name: Call(run_trial, (folder.absolute(), trial, only_write)) for trial in trials},
         jobs, scheduler)
-    if only_write:
-        return []
-    return [(json.loads(files.truth.read_text()), json.loads(files.report.read_text()))
-            for files in (trial.files(folder) for trial in trials)]
+    return [] if only_write else [_read(trial.files(folder)) for trial in trials]
+
+
+def _read(files: TrialFiles) -> tuple[Any, Any]:
+    """Return truth and answer of a trial."""
+    truth, answer = (json.loads(path.read_text()) for path in (files.truth, files.report))
+    if 'kind' not in truth or 'report' not in answer:
+        raise ParameterRangeError(
+            f'--output {files.truth.parents[1]} must hold trials of this version, got '
+            f'{files.truth.name} of another one; choose another folder')
+    return truth, answer
 
 
 def run_trial(folder: Path, planned: Planned, only_write: bool = False) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median
 from typing import AbstractSet, Any, Mapping, NamedTuple, Sequence
 
-import numpy as np
+from scipy.stats import binomtest
 
 from ...exceptions import RecordingError
 from ...figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
@@ -212,7 +212,8 @@ def plot_reliability(scores: Sequence[Score], path: Path) -> Path:
     for row in reliability(scores):
         if row.mean is not None and row.share_right is not None:
             # The interval of a share of so few (Wilson 1927).
-            low, high = _wilson(row.share_right, row.names)
+            low, high = binomtest(round(row.share_right * row.names), row.names).proportion_ci(
+                method='wilson')
             axis.plot([row.mean, row.mean], [low, high], color=BLUE, lw=1.5)
             axis.plot(row.mean, row.share_right, 'o', color=BLUE, ms=6.0)
             axis.annotate(str(row.names), (row.mean, high), (0.0, 3.0), ha='center', fontsize=8,
@@ -224,14 +225,6 @@ def plot_reliability(scores: Sequence[Score], path: Path) -> Path:
     figure.savefig(path)
     require_matplotlib().close(figure)
     return path
-
-
-def _wilson(share: float, count: int) -> tuple[float, float]:
-    z = 1.96
-    middle = (share + z**2 / (2 * count)) / (1.0 + z**2 / count)
-    reach = z * np.sqrt(share * (1.0 - share) / count + (z / (2 * count)) ** 2) / (
-        1.0 + z**2 / count)
-    return float(middle - reach), float(middle + reach)
 
 
 def outcomes(scores: Sequence[Score]) -> dict[str, int]:
