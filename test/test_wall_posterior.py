@@ -9,7 +9,7 @@ from typing import Callable
 from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
-from contact_estimation.studies.online_worlds import ramp
+from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
 from scipy.signal import lfilter

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Callable, NamedTuple
 
 from contact_estimation.estimators.multiple_model import WallPosterior
-from contact_estimation.studies.online_worlds import ramp
+from contact_estimation.studies.paths import ramp
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter

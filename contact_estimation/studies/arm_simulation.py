@@ -6,19 +6,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
 from .arm_models import Arm, Array, mujoco, mujoco_model, TIP
+from .paths import path_at, Piece, ramp, start, tones
 from ..kinematics.tool_load import cross_matrix
 
+TIMESTEP = 1e-3
 MOVE_S = 1.0
 _TOUCHES = ((0.016, 2.4), (0.022, 4.0), (0.028, 4.0))  # depth of x_r [m], duration [s]
-_FREE_S = 3.0  # before the first touch
+_FREE_S, _BETWEEN_S = 3.0, 0.7  # before the first touch; after each
 _APART = -0.012  # x_r between touches [m]
 _FREQUENCIES = (0.7, 1.9, 4.3)  # of the excitation [Hz]
-_AMPLITUDE = 0.003  # of each [m]
+_AMPLITUDE, _FADE_S = 0.003, 0.5  # of each [m]
 _POSE_S, _TURN_S = 1.2, 1.5
 
 
@@ -30,73 +32,43 @@ class Reference(NamedTuple):
     v: Array
     a: Array
 
+    @classmethod
+    def of(cls, pieces: Sequence[Piece], duration: float) -> 'Reference':
+        """Sample a path of pieces."""
+        t: Array = TIMESTEP * np.arange(round(duration / TIMESTEP), dtype=float)
+        return cls(*path_at(pieces, t))
 
-def touches(timestep: float, seed: int) -> Reference:
-    """
-    Return a reference with three touches of a wall at 0, excited by sines.
 
-    timestep: of the grid [s]
-    """
+def touches(seed: int) -> Reference:
+    """Return a reference with three touches of a wall at 0, excited by sines."""
     phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(_FREQUENCIES))
-    parts, here = [_held(_APART, _FREE_S, timestep)], _APART
+    omegas = 2.0 * np.pi * np.array(_FREQUENCIES)
+    pieces, t = [start(_APART)], _FREE_S
     for depth, hold in _TOUCHES:
-        parts += [_quintic(here, depth, MOVE_S, timestep),
-                  _excited(depth, hold, phases, timestep),
-                  _quintic(depth, _APART, MOVE_S, timestep), _held(_APART, 0.7, timestep)]
-        here = _APART
-    return Reference(*(np.concatenate(columns) for columns in zip(*parts)))
+        t += MOVE_S
+        pieces += [ramp(t - MOVE_S, MOVE_S, depth - _APART),
+                   tones(t, t + hold, _AMPLITUDE, omegas, phases - omegas * t, _FADE_S),
+                   ramp(t + hold, MOVE_S, _APART - depth)]
+        t += hold + MOVE_S + _BETWEEN_S
+    return Reference.of(pieces, t)
 
 
-def poses(home: tuple[float, ...], count: int, timestep: float, seed: int) -> Reference:
-    """
-    Return a reference of the joints through random orientations of the wrist.
-
-    home: joints at the beginning [rad]
-    timestep: of the grid [s]
-    Returns reference: of all joints, shape (N, n)
-    """
-    rng = np.random.default_rng(seed)
-    here, parts = np.array(home), []
-    for _ in range(count):
+def poses(home: tuple[float, ...], count: int, seed: int) -> Reference:
+    """Return a reference of all joints from home through orientations of the wrist [rad]."""
+    rng, here = np.random.default_rng(seed), np.array(home)
+    moves = Reference(*(np.tile(here, (round(count * (_TURN_S + _POSE_S) / TIMESTEP), 1)) * once
+                        for once in (1.0, 0.0, 0.0)))
+    for k in range(count):
         there = np.array(home)
         there[-3:] += rng.uniform(-1.0, 1.0, 3) * (1.4, 1.3, 1.5)
-        move, hold = _quintic(0.0, 1.0, _TURN_S, timestep), _held(1.0, _POSE_S, timestep)
-        share = [np.concatenate(columns)[:, None] for columns in zip(move, hold)]
-        parts.append(Reference(here + share[0] * (there - here), share[1] * (there - here),
-                               share[2] * (there - here)))
+        move = ramp(k * (_TURN_S + _POSE_S), _TURN_S, 1.0)
+        shares = Reference.of([move], count * (_TURN_S + _POSE_S))
+        moves = Reference(*(so_far + np.outer(share, there - here)
+                            for so_far, share in zip(moves, shares)))
         here = there
-    return Reference(*(np.concatenate(columns) for columns in zip(*parts)))
+    return moves
 
 
-def _held(x: float, duration: float, timestep: float) -> Reference:
-    t = np.zeros(round(duration / timestep))
-    return Reference(t + x, t, t)
-
-
-def _quintic(begin: float, end: float, duration: float, timestep: float) -> Reference:
-    """Return a minimum-jerk move."""
-    s: Array = np.linspace(0.0, 1.0, round(duration / timestep), endpoint=False)
-    step = end - begin
-    return Reference(
-        begin + step * s**3 * (10 - 15 * s + 6 * s**2),
-        step / duration * 30 * s**2 * (1 - s)**2,
-        step / duration**2 * 60 * s * (1 - s) * (1 - 2 * s),
-    )
-
-
-def _excited(depth: float, duration: float, phases: Array, timestep: float) -> Reference:
-    """Return sines about a depth, faded in and out over half a second."""
-    t = np.asarray(np.arange(round(duration / timestep)) * timestep, float)
-    ramp = np.clip(np.minimum(t, duration - t) / 0.5, 0.0, 1.0)
-    window = ramp**3 * (10 - 15 * ramp + 6 * ramp**2)
-    omega = 2 * np.pi * np.array(_FREQUENCIES)[:, None]
-    x: Array = depth + _AMPLITUDE * window * np.sin(omega * t + phases[:, None]).sum(axis=0)
-    v: Array = np.gradient(x, timestep, edge_order=2)
-    a: Array = np.gradient(v, timestep, edge_order=2)
-    return Reference(x, v, a)
-
-
-TIMESTEP = 1e-3
 WALL_DISTANCE = 0.012  # from the home pose [m]
 _TILT = 0.25  # of the normal against the tool's axis [rad]
 _STIFF = 60.0  # bandwidth of the other coordinates [rad/s]
@@ -158,14 +130,14 @@ class ArmSimulation:
 
     def touch(self, seed: int) -> Run:
         """Press three times along the normal under impedance control."""
-        reference = touches(TIMESTEP, seed)
+        reference = touches(seed)
         reference = reference._replace(x=reference.x + self.location)
         world = self._world
         return self._run(reference, self._impedance_torque, world.K_e, world.B_e)
 
     def calibrate(self, seed: int, count: int = 12) -> Run:
         """Visit poses under joint control, with the wall removed."""
-        reference = poses(tuple(self._home), count, TIMESTEP, seed)
+        reference = poses(tuple(self._home), count, seed)
         return self._run(reference, self._joint_torque, K_e=0.0, B_e=0.0)
 
     def _run(

@@ -14,7 +14,8 @@ from .online_row import (
     AS_TOLD, drawn_depth, drawn_location, drawn_sensor, drawn_wall, end_of_contact, EXACT,
     in_contact, law_families, presses, Row, sample_at, Score, score, spread, Trace, UNKNOWN,
     WITHIN)
-from .online_worlds import bump, simulate, start, World
+from .online_worlds import simulate, World
+from .paths import bump, start
 from ..physics.prior import log_uniform
 
 _ADVICE = {'surface_unchecked'}  # checks that advise where nothing is wrong

@@ -13,7 +13,8 @@ import numpy as np
 from .online_row import (
     BAND, drawn_location, drawn_sensor, drawn_wall, GAP, in_contact, presses, Row, sample_at,
     Score, score, spread, Trace, UNKNOWN, WITHIN)
-from .online_worlds import Array, cruise, simulate, start, Stream, World
+from .online_worlds import simulate, Stream, World
+from .paths import Array, cruise, start
 from ..physics.prior import log_uniform
 
 Fault = Callable[[World, float, float, np.random.Generator], World]

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.signal import butter, lfilter
 
 from .online_row import Row, Score
-from .online_worlds import Array, FINE, ramp
+from .online_worlds import FINE
+from .paths import Array, ramp
 from ..estimators.stiffness_matrix import (
     MatrixEstimate, StiffnessMatrix, StiffnessMatrixParameters)
 from ..physics.prior import log_uniform

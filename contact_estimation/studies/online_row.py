@@ -11,7 +11,8 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .online_worlds import Array, Piece, ramp, Sensor, sines, start, Stream, Wall, World
+from .online_worlds import Sensor, Stream, Wall, World
+from .paths import Array, Piece, ramp, sines, start
 from ..estimators.estimate import EstimateStatus
 from ..estimators.multiple_model import LAWS
 from ..parameters import changed

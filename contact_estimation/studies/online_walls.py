@@ -14,7 +14,8 @@ import numpy as np
 from .online_row import (
     AS_TOLD, drawn_location, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score,
     settled_instants, spread, Trace, WITHIN)
-from .online_worlds import Array, ramp, simulate, World
+from .online_worlds import simulate, World
+from .paths import Array, ramp
 from ..physics.prior import log_uniform
 
 _LAW_AFTER_S = 3.0
