@@ -4,7 +4,7 @@
 """
 Laws of the literature that are not in the vocabulary of the diagnosis, by name.
 
-To add one: a class in the file of its topic and a line in one of the dictionaries.
+To add one: a class in the file of its topic and a line in ALL_LAWS.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .foreign_sensor import (
     SecondOrderFilter, SettlingBias, SoftClipping, SoftTool, WarmingSensor)
 from .foreign_surface import BaseVibration, BreathingSurface, RingingPanel
 
-FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
+ALL_LAWS: dict[str, type[ForeignLaw]] = {
     'lugre_friction': LuGreFriction,
     'elastoplastic_friction': ElastoplasticFriction,
     'asymmetric_coulomb': AsymmetricCoulomb,
@@ -63,10 +63,6 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'slow_torque_loop': SlowTorqueLoop,
     'soft_torque_limit': SoftTorqueLimit,
     'windage': Windage,
-}
-"""Laws that a family of effects describes acceptably."""
-
-UNKNOWN_LAWS: dict[str, type[ForeignLaw]] = {
     'soft_spell': SoftSpell,
     'warming_wall': WarmingWall,
     'force_ripple': ForceRipple,
@@ -78,6 +74,9 @@ UNKNOWN_LAWS: dict[str, type[ForeignLaw]] = {
     'resonant_mount': ResonantMount,
     'cogging_torque': CoggingTorque,
 }
-"""Laws that no effect describes: the right answer names nothing."""
 
-ALL_LAWS = {**FOREIGN_LAWS, **UNKNOWN_LAWS}
+FOREIGN_LAWS = [name for name, cls in ALL_LAWS.items() if cls.families]
+"""Laws that a family of effects describes acceptably."""
+
+UNKNOWN_LAWS = [name for name, cls in ALL_LAWS.items() if not cls.families]
+"""Laws that no effect describes: the right answer names nothing."""
