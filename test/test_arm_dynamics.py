@@ -18,9 +18,10 @@ from contact_estimation.plant.arm_simulation import ArmLaw, ArmSensors, simulate
 from contact_estimation.recordings.decoding import decode_arm
 from contact_estimation.recordings.encoding import encode_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
-from contact_estimation.studies.arm_concealed_laws import ENGINE, mujoco_arm
 from contact_estimation.studies.arm_models import (
-    ARMS, description_of, mujoco, mujoco_model, TIP as TOOL_TIP, TOOL_CENTRE, TOOL_MASS)
+    ARMS, description_of, mujoco, mujoco_arm, mujoco_model, TIP as TOOL_TIP, TOOL_CENTRE,
+    TOOL_MASS)
+from contact_estimation.studies.arm_simulation import ENGINE
 from contact_estimation.studies.arm_study import StudiedArm
 import numpy as np
 import pytest
@@ -191,7 +192,7 @@ def test_torques_of_links_equal_those_of_mujoco(name: str) -> None:
     try:
         urdf = ENGINE.arms[name]()
         arm, rng = ArmDynamics(urdf), np.random.default_rng(0)
-        model = mujoco_arm(urdf, arm)
+        model = mujoco_arm(urdf, arm, 1e-3)
     except MissingPackageError as error:
         pytest.skip(str(error))
     data, dofs = mujoco().MjData(model), [model.joint(one).dofadr[0] for one in arm.joints]

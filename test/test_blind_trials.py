@@ -23,7 +23,7 @@ from contact_estimation.studies.blind_trials.concealment import residual
 from contact_estimation.studies.blind_trials.running import run_trial, TrialFiles, write_json
 from contact_estimation.studies.blind_trials.scoring import (
     as_text, RIGHT, Score, score, SILENT, WRONG)
-from contact_estimation.studies.blind_trials.settings import EFFECTS_OF_A_WALL, IDEAL
+from contact_estimation.studies.blind_trials.settings import EFFECTS_OF_A_WALL, IDEAL, RIGS
 from contact_estimation.studies.blind_trials.trial import Trial, write_trial
 from contact_estimation.studies.blind_trials.world import Run, SensorModel, World
 import numpy as np
@@ -126,6 +126,13 @@ def test_contact_residual_matches_the_normal_equations() -> None:
     predicted = np.minimum(0.0, -K * run.x - B * run.v)[touching]
     rms = float(np.sqrt(np.mean(((run.force + extra)[touching] - predicted) ** 2)))
     assert rms_of(False, WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
+
+
+def test_the_simulators_of_both_settings_agree_where_neither_adds_anything() -> None:
+    plant, rig = IDEAL.simulate(WORLD, '', {}), RIGS.simulate(WORLD, '', {})
+    x, force = (np.interp(plant.t, rig.t, signal) for signal in (rig.x, rig.force))
+    assert np.max(np.abs(x - plant.x)) < 1e-3 * WORLD.depth
+    assert np.max(np.abs(force - plant.force)) < 1e-3 * np.max(np.abs(plant.force))
 
 
 # -- plan and files ---------------------------------------------------------------------------

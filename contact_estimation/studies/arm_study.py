@@ -18,10 +18,9 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
-from .arm_concealed_laws import ENGINE
 from .arm_models import (
     Arm, ARMS, description_of, mujoco, mujoco_model, SENSOR, TIP, TOOL_CENTRE, TOOL_MASS)
-from .arm_simulation import ArmSimulation, Run, TIMESTEP, World
+from .arm_simulation import ArmSimulation, ENGINE, Run, TIMESTEP, World
 from .blind_trials.arm_trials import arm_text, plan_arms, scored
 from .blind_trials.running import run_trials
 from ..commands import calibrate_tool, diagnose, replay
