@@ -39,7 +39,7 @@ class ForceSign(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Look for a one-sided force with the wrong slope, or on the wrong side."""
         slope = _slope_by_least_force(seen) or seen.slope_sign
-        if seen.spread < CLEAR * seen.noise or abs(slope) < _RELATED:
+        if seen.spread < CLEAR * seen.noise or abs(seen.slope_sign) < _RELATED:
             return None
         low, high = extremes(seen.force - _level_outside(seen))
         pulls = low > -_PULLS_LESS * seen.noise and not seen.contact.any()
@@ -202,7 +202,7 @@ class ForceBias(Check):
 
 def _slope_by_least_force(seen: Evidence) -> float:
     """
-    Return the sign of force over x by where the force was least so far; 0 if that is on both sides.
+    Return the sign of force over x by the place of the least force so far; 0 if on both sides.
 
     Within a contact the force may fall with depth, as where a wall yields or buckles.
     """
