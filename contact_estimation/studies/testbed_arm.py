@@ -167,8 +167,7 @@ class PlanarArm:
         """Return a'' [rad/s^2] under motor torques [N m] and a force on the tip along x [N]."""
         M, h = self.dynamics(angles, rates)
         driven = (torques - self.joint_friction(rates)) @ self._D
-        reached = driven - h - force_x * self._l * np.sin(angles)
-        return np.asarray(np.linalg.solve(M, reached), float)
+        return np.linalg.solve(M, driven - h - force_x * self._l * np.sin(angles))
 
     def motor_torques(self, driving: Array) -> Array:
         """Return the torques tau of the motors for the torques D^T tau of the links [N m]."""
