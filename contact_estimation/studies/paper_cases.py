@@ -199,7 +199,7 @@ def step_recording(seed: int) -> ContactRecording:
 def record_testbed_step(seed: int, as_paper: bool) -> ContactRecording:
     """Record the step response of the testbed."""
     return record_testbed(TargetImpedance(), _step_reference, 0.0, _STEP_RUN_S,
-                          _acquisition(as_paper), seed)[0]
+                          _acquisition(as_paper), seed).contact
 
 
 def _acquisition(as_paper: bool) -> Acquisition:

@@ -6,14 +6,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
 from math import exp, nan
 from typing import Callable, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .testbed_arm import (
-    Array, FlexibleWallConstants, ImpedanceController, PlanarArm, TESTBED, TestbedConstants, Tip)
+    FlexibleWallConstants, ImpedanceController, PlanarArm, TESTBED, TestbedConstants, Tip, Triple)
 from ..estimators.offline_estimator import TargetImpedance
 from ..estimators.signal_processing_refined import SignalProcessingRefined
 from ..parameters import build
@@ -92,7 +92,8 @@ class TestbedWorld:
         self._controller = ImpedanceController(constants, target)
         arm = constants.arm
         self._angles = self._arm.angles_at(arm.surface_x + position, arm.tip_y, arm.tip_angle)
-        self._rates, self._torques = np.zeros(3), np.zeros(3)
+        self._rates: Triple = (0.0, 0.0, 0.0)
+        self._torques: Triple = (0.0, 0.0, 0.0)
         self._wall = WallState(max(0.0, position), 0.0)
         self.t = 0.0
 
@@ -117,31 +118,36 @@ class TestbedWorld:
             self._step(duration / steps)
         self.t += duration
 
-    def _force(self, angles: Array, rates: Array, wall: WallState) -> float:
+    def _force(self, angles: Triple, rates: Triple, wall: WallState) -> float:
         """Compute the pressing force, 0 out of contact."""
         if self._arm.tip_x(angles) - self._p.arm.surface_x < wall.deflection - _CLOSED:
             return 0.0
-        return max(0.0, pressing_force(wall, self._arm.tip_rate(angles, rates), self._p.wall))
-
-    def _accelerations(self, angles: Array, rates: Array, force: float) -> Array:
-        return self._arm.accelerations(angles, rates, self._torques, -force)
+        x1, x2, x3 = self._arm.jacobian(angles)[0]
+        rate = x1 * rates[0] + x2 * rates[1] + x3 * rates[2]
+        return max(0.0, pressing_force(wall, rate, self._p.wall))
 
     def _tip_acceleration(self, force: float) -> float:
-        a = self._accelerations(self._angles, self._rates, force)
-        return float(self._arm.jacobian(self._angles)[0] @ a
-                     + self._arm.bent(self._angles, self._rates)[0])
+        w1, w2, w3 = self._rates
+        b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
+        (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
+        return (x1 * b1 + x2 * b2 + x3 * b3 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
 
     def _step(self, h: float) -> None:
         """Integrate one step by the midpoint rule."""
-        a, w, before = self._angles, self._rates, self._wall
-        b = self._accelerations(a, w, self._force(a, w, before))
-        angles, rates = a + 0.5 * h * w, w + 0.5 * h * b
-        force = self._force(angles, rates, self._follow(before, angles, 0.5 * h))
-        self._angles = a + h * rates
-        self._rates = w + h * self._accelerations(angles, rates, force)
+        (a1, a2, a3), (w1, w2, w3), arm = self._angles, self._rates, self._arm
+        force, before = self._force(self._angles, self._rates, self._wall), self._wall
+        b1, b2, b3 = arm.accelerations(self._angles, self._rates, self._torques, -force)
+        half = 0.5 * h
+        angles = a1 + half * w1, a2 + half * w2, a3 + half * w3
+        rates = w1 + half * b1, w2 + half * b2, w3 + half * b3
+        middle = self._follow(before, angles, half)
+        force = self._force(angles, rates, middle)
+        b1, b2, b3 = arm.accelerations(angles, rates, self._torques, -force)
+        self._angles = a1 + h * rates[0], a2 + h * rates[1], a3 + h * rates[2]
+        self._rates = w1 + h * b1, w2 + h * b2, w3 + h * b3
         self._wall = self._follow(before, self._angles, h)
 
-    def _follow(self, wall: WallState, angles: Array, h: float) -> WallState:
+    def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
         """Move the wall by itself, or by the tool where that is further."""
         tool = self._arm.tip_x(angles) - self._p.arm.surface_x
         alone = wall.deflection + h * free_rate(wall, self._p.wall)
@@ -209,22 +215,13 @@ TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
 """Target impedance of the time-domain algorithms."""
 
 
-PERIOD_S = 1.0 / TESTBED.sample_rate
-"""Of the controller and of all samples [s]."""
+class ArmRecording(NamedTuple):
+    """Signals of a run without an estimator."""
 
-
-def _run(
-    target: TargetImpedance, start: float, duration: float, acquisition: Acquisition, seed: int,
-    follow: Callable[[int, ContactSample, Truth, Tip], Reference],
-) -> None:
-    """Run the testbed from a tip position [m]; `follow` turns samples into references."""
-    world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)
-    for k in range(round(duration * TESTBED.sample_rate)):
-        truth = world.truth()
-        measured, deflection, _ = sensors.measure(truth)
-        force, position, velocity = acquisition.process(measured, deflection)
-        sample = ContactSample(round(1e9 * k * PERIOD_S), position, velocity, force)
-        world.advance(PERIOD_S, follow(k, sample, truth, world.tip()), measured)
+    truths: list[Truth]  # True state of the wall
+    contact: ContactRecording  # force and deflection of the wall after acquisition
+    # (N,) x of the tip relative to the wall's surface, from the joint encoders [m]
+    tip: NDArray[np.float64]
 
 
 def run_testbed(
@@ -235,38 +232,45 @@ def run_testbed(
 
     The reference computed from sample k is followed from sample k + 1 on.
     """
-    start, run = experiment.desired(0.0).position, ClosedLoopRun([], [])
-    following = [Reference(start, 0.0, 0.0, 0.0)]
-
-    def follow(k: int, sample: ContactSample, truth: Truth, tip: Tip) -> Reference:
-        desired = experiment.desired((k + 1) * PERIOD_S)
-        session.add_desired(round(1e9 * (k + 1) * PERIOD_S), desired)
-        session.add_motion(sample.stamp_ns, sample.position, sample.velocity)
-        (result,) = session.add_wrench(sample.stamp_ns, sample.force)
+    period = 1.0 / TESTBED.sample_rate
+    period_ns = round(1e9 * period)
+    begin = experiment.desired(0.0)
+    world = TestbedWorld(TESTBED, TRACKING_TARGET, begin.position)
+    sensors = make_sensors(TESTBED, seed)
+    reference = Reference(begin.position, 0.0, 0.0, 0.0)
+    run = ClosedLoopRun([], [])
+    for k in range(round(experiment.duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        session.add_desired((k + 1) * period_ns, experiment.desired((k + 1) * period))
+        session.add_motion(k * period_ns, position, velocity)
+        (result,) = session.add_wrench(k * period_ns, force)
         run.truths.append(truth)
         run.results.append(result)
-        following.append(result.reference or following[-1])
-        return following[-2]
-
-    _run(TRACKING_TARGET, start, experiment.duration, acquisition, seed, follow)
+        world.advance(period, reference, measured)
+        if result.reference is not None:
+            reference = result.reference
     return run
 
 
 def record_testbed(
     target: TargetImpedance, reference_at: Callable[[float], Reference], start: float,
     duration: float, acquisition: Acquisition, seed: int,
-) -> tuple[ContactRecording, Array]:
-    """Record along a reference; return force and deflection of the wall, and x of the tip [m]."""
-    samples: list[ContactSample] = []
-    tips: list[float] = []
-
-    def follow(k: int, sample: ContactSample, truth: Truth, tip: Tip) -> Reference:
-        samples.append(sample)
-        tips.append(tip.x)
-        return reference_at(k * PERIOD_S)
-
-    _run(target, start, duration, acquisition, seed, follow)
-    return ContactRecording.of(samples), np.array(tips)
+) -> ArmRecording:
+    """Record some seconds along a reference, from a tip position relative to the wall [m]."""
+    period = 1.0 / TESTBED.sample_rate
+    world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)
+    truths, samples, tips = [], [], []
+    for k in range(round(duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        truths.append(truth)
+        samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
+        tips.append(world.tip().x)
+        world.advance(period, reference_at(k * period), measured)
+    return ArmRecording(truths, ContactRecording.of(samples), np.array(tips))
 
 
 FREE_STEP = 0.015
@@ -288,12 +292,21 @@ def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
     The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale follows from
     K_t, which the controller realises exactly: at rest neither inertia nor damping acts.
     """
+    recording = _free_step(target, seed)
+    contact = recording.contact
+    # The tip position replaces the force, in mm: with M = 1, B = K = 0 eqs. (17) and (18) give
+    # w_n^2 and 2 zeta w_n.
+    moved = ContactRecording(
+        contact.stamp_ns, contact.position, contact.velocity,
+        -1e3 * np.asarray(recording.tip - recording.tip[0]),
+    )
+    fit = SignalProcessingRefined(_UNIT).estimate(moved)
+    mass = target.stiffness / fit.stiffness
+    return TargetImpedance(float(mass), float(mass * fit.damping), target.stiffness)
+
+
+def _free_step(target: TargetImpedance, seed: int) -> ArmRecording:
     def step(t: float) -> Reference:
         return Reference(_START + (FREE_STEP if t >= _STEP_AT_S else 0.0), 0.0, 0.0, 0.0)
 
-    contact, tip = record_testbed(target, step, _START, _RUN_S, RawAcquisition(), seed)
-    # The tip position replaces the force, in mm: with M = 1, B = K = 0 eqs. (17) and (18) give
-    # w_n^2 and 2 zeta w_n.
-    fit = SignalProcessingRefined(_UNIT).estimate(replace(contact, force=-1e3 * (tip - tip[0])))
-    mass = target.stiffness / fit.stiffness
-    return TargetImpedance(float(mass), float(mass * fit.damping), target.stiffness)
+    return record_testbed(target, step, _START, _RUN_S, RawAcquisition(), seed)
