@@ -18,7 +18,7 @@ from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import (
     corrected_urdf, mjcf_snippet, of_pseudo_inertia, possible_inertial, pseudo_inertia)
-from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZEROS
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
@@ -253,14 +253,16 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
     blocks = np.array_split(np.arange(len(piece.t)), len(gram.times))
     left_out = []
     for out in [*blocks, np.zeros(0, int)]:
-        A, b, errors = np.eye(size + 4), np.zeros(size + 4), []
+        A, b, errors = np.eye(size + 7), np.zeros(size + 7), []
         for j in range(3):
-            X = np.zeros((len(piece.t), size + 4))
+            X = np.zeros((len(piece.t), size + 7))
             X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
             tilt = Term('base_tilt')
             X[:, size - 2:size] = ZEROS[tilt] * piece.columns[tilt][j]
             X[:, size + j:size + j + 1] = piece.columns[model[j]][j] * gram.scales[model[j]]
-            X[:, -1:] = piece.columns[model[3]][j] * gram.scales[model[3]]
+            X[:, size + 3:size + 4] = piece.columns[model[3]][j] * gram.scales[model[3]]
+            load = piece.tau[:, j] - piece.residual[:, j]
+            X[:, size + 4 + j] = GAIN_KNOWN * load
             keep = piece.moving[:, j].copy()
             errors.append((X[out][keep[out]], piece.residual[out, j][keep[out]]))
             keep[out] = False
@@ -268,7 +270,7 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
             b += gram.weights[j] * X[keep].T @ piece.residual[keep, j]
         theta = np.linalg.solve(A, b)
         left_out.append([np.mean((y - X @ theta) ** 2) for X, y in errors] if len(out) else [])
-    assert found.theta[model[3]] == pytest.approx(theta[-1:] * gram.scales[model[3]])
+    assert found.theta[model[3]] == pytest.approx(theta[size + 3] * gram.scales[model[3]])
     assert found.left_out == pytest.approx(np.array(left_out[:-1]), rel=1e-6)
 
 

@@ -299,7 +299,7 @@ class _JointJudge:
         T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[:, :, 0]
         scales = np.concatenate([gram.scales[term] for term in terms])
         widths = [len(gram.scales[term]) for term in terms]
-        values = np.split(scales * T[-1], np.cumsum(widths)[:-1])
+        values = np.split(scales * T[-1, 1:], np.cumsum(widths)[:-1])
         if not all(JOINT_EFFECTS[term.effect].possible(one) for term, one in zip(terms, values)):
             return -np.inf
         G = gram.G[k][:, index[:, None], index]
@@ -309,7 +309,7 @@ class _JointJudge:
         expected = c.left_out * left_out + (1.0 - c.left_out) * fitted
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
         likelihood = -0.5 * gram.counts[:, k] * np.log(beyond / gram.floor[k] + 1.0)
-        return float(likelihood.sum()) - sum(
+        return float(likelihood.sum() - 0.5 * T[-1, 0] ** 2) - sum(
             c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
             for term, width in zip(terms, widths) if term not in self._space.zeros)
 
