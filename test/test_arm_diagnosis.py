@@ -25,6 +25,7 @@ from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside
 from contact_estimation.kinematics.description import joint_friction
 from contact_estimation.parameters import build
+from contact_estimation.physics.joint_effects import ONE_DELAY
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw
@@ -38,6 +39,7 @@ CONCEALED = {
     'force_bias': ArmLaw('force_bias', [9.0], 1),
     'force_gain': ArmLaw('force_gain', [0.2], 0),
     'force_delay': ArmLaw('force_delay', [0.03]),
+    ONE_DELAY: ArmLaw(ONE_DELAY, [0.04], 0),
     'joint_spring': ArmLaw('joint_spring', [4.0], 1),
     'payload': ArmLaw('payload', BODY, 2),
     'base_tilt': ArmLaw('base_tilt', [0.08, 0.0]),
@@ -57,7 +59,7 @@ def diagnosed(name: str) -> ArmDiagnosis:
 @pytest.mark.parametrize('name', CONCEALED)
 def test_a_law_is_named_at_its_joint(name: str) -> None:
     law, found = CONCEALED[name], diagnosed(name)
-    names = [(one.name, one.term.place) for one in found.effects]
+    names = [(one.term.effect, one.term.place) for one in found.effects]
     assert (name, law.place) in names, as_text(found)
     first = found.effects[names.index((name, law.place))]
     value = next(iter(first.parameters.values()))

@@ -253,6 +253,10 @@ class ArmModels:
                 likely = sorted((other for other in others if scores[other] > best - _NEAR),
                                 key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
+        for term in self._shared:  # what several joints have alike may be the arm's
+            alike = {one for one in model if one.place is not None and term.place is None
+                     and JOINT_EFFECTS[one.effect].name == term.effect}
+            near += [self._refined(model - alike | {term})] if alike else []
         for term in sorted(model & self._shared_laws):
             instead = [*self._shared, *self._local.get(term.place, ())]
             near += [model - {term} | {other}
