@@ -13,8 +13,8 @@ import numpy as np
 
 from .arm_models import ARMS, Array, description_of, mujoco
 from .blind_trials.arm_trials import Engine
-from ..diagnosis.arm.corrected_robot import centred
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ..kinematics.robot_model import pinocchio
 from ..plant.arm_models import arm_description
 from ..plant.arm_simulation import (
     ArmLaw, ArmSensors, changed, MOTOR, position_control, sensed, SimulatedArm, STEP_S)
@@ -64,10 +64,10 @@ def _add_gear(root: ElementTree.Element, name: str) -> None:
 
 def _set_inertia(mj: Any, model: Any, body: int, theta: Array) -> None:
     """Give a body mass, centre and principal inertia."""
-    mass, c, J = centred(theta)
-    principal, axes = np.linalg.eigh(J)
+    own = pinocchio().Inertia.FromDynamicParameters(theta)
+    principal, axes = np.linalg.eigh(own.inertia)
     axes[:, 0] *= np.linalg.det(axes)
-    model.body_mass[body], model.body_ipos[body] = mass, c
+    model.body_mass[body], model.body_ipos[body] = own.mass, own.lever
     model.body_inertia[body] = principal
     mj.mju_mat2Quat(model.body_iquat[body], axes.flatten())
 
