@@ -93,9 +93,10 @@ class ArmDynamics:
         """Say why the masses of the description cannot be those of an arm; '' if they may be."""
         heaviest, inertias = self.masses.max(), self.neutral.reshape(-1, PER_LINK)[:, 4:]
         if heaviest < _PLACEHOLDER_KG:
-            return f'its heaviest moving link has {heaviest:.3g} kg'
+            return (f'its heaviest moving link has {heaviest:.3g} kg, expected at least '
+                    f'{_PLACEHOLDER_KG:g} kg')
         if self._alike:
-            return 'all of its links have the same mass'
+            return f'all of its links have the same mass of {heaviest:.3g} kg'
         if np.abs(inertias).max() < _PLACEHOLDER_KGM2:
             return 'no link has an inertia'
         return ''

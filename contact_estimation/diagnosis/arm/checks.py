@@ -150,6 +150,14 @@ class Reading:
         return (float(np.log(rest**2 / (len(q) * (tau.var() + 1e-12)) + 1e-4)),
                 float(theta[-1] / scale[-1]))
 
+    def compared(self, j: int) -> str:
+        """Return range of a joint's torque, and its correlation with that of the description."""
+        tau, load = self.tau[:, j], self.load[:, j]
+        both = np.stack([tau - tau.mean(), load - load.mean()])
+        alike = both[0] @ both[1] / (np.prod(np.linalg.norm(both, axis=1)) + 1e-12)
+        return (f'{self.arm.joints[j]} has {np.ptp(tau):.3g} N m from end to end, '
+                f'{np.ptp(load):.3g} expected; correlation {alike:.2f}')
+
     def errors(self, load: Array | None = None, sign: float = 1.0) -> Array:
         """Return the log error of each joint with a torque."""
         load = self.load if load is None else load
@@ -178,8 +186,9 @@ def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
     names = ', '.join(reading.arm.joints[j] for j, one in zip(reading.joints, wrong) if one)
     if names:
         yield Misreading('torque_sign', (
-            f'the torques of {names} have the opposite sign: they brake where the arm must push; '
-            'publish the torque that the drive applies to the joint'),
+            f'the torques of {names} have the opposite sign: they brake where the arm must '
+            f'push ({reading.compared(reading.joints[int(np.argmax(wrong))])}); publish the '
+            'torque that the drive applies to the joint'),
             np.where(wrong, flipped, right), 0.0)
 
 
@@ -226,14 +235,16 @@ def _mirrored(reading: Reading, right: Array) -> Iterator[Misreading]:
 def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
     """Return torques that lack those of gravity, or all of the arm."""
     still = np.zeros_like(reading.q)
+    shown = reading.compared(int(np.argmax(np.ptp(reading.load, axis=0))))
     yield Misreading('torque_gravity', (
-        'the torques lack those of gravity: the controller compensates it and publishes what it '
-        'adds; record the measured torque, or add the gravity torque of the controller'),
+        f'the torques lack those of gravity ({shown}): the controller compensates it and '
+        'publishes what it adds; record the measured torque, or add the gravity torque of the '
+        'controller'),
         reading.errors(reading.load - reading.arm.torque(reading.q, still, still)))
     yield Misreading('torque_external', (
-        'the torques show none of the weight and inertia of the arm: an estimate of external '
-        'torques, what a controller adds, or another unit, such as currents or torques of the '
-        'motors; record the torque of each joint in N m'), reading.errors(
+        f'the torques show none of the weight and inertia of the arm ({shown}): an estimate of '
+        'external torques, what a controller adds, or another unit, such as currents or torques '
+        'of the motors; record the torque of each joint in N m'), reading.errors(
             -reading.felt(reading.q)))
 
 
@@ -252,9 +263,9 @@ def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
             texts.append(f'{reading.arm.joints[j]} {gain:.3g}')
     if texts:
         yield Misreading('torque_unit', (
-            'torques are not those of the joints in N m; measured over modelled: '
-            f'{", ".join(texts)}; multiply currents by motor constant and gear ratio, N mm by '
-            '0.001'), errors, 0.0)
+            'torques are not those of the joints in N m; measured over modelled, about 1 '
+            f'expected: {", ".join(texts)}; multiply currents by motor constant and gear ratio, '
+            'N mm by 0.001'), errors, 0.0)
 
 
 _READ = {
