@@ -36,9 +36,10 @@ def diagnose_contact(
     and whatever controller moves the tip is nothing that the contact could lack.
 
     A compliance C between the measured joints and the wall looks like a wall that is softer by
-    1 + K_e C, begins where the arm sags to, and pushes late: F + B_e' C dF/dt =
-    -(K_e' (x - x_e) + B_e' v). That of `joint_flexibility` in the diagnosis `arm` is taken out of
-    x; one that is not known is listed beside both.
+    1 + K_e C, begins where the arm sags to, and pushes late or relaxes (with a spring in series it
+    is the standard linear solid): F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v). That of
+    `joint_flexibility` in the diagnosis `arm` is taken out of x; one that is not known is listed
+    beside these.
 
     paths, held_out: recordings to fit and to test on
     urdf_file: robot description
@@ -66,7 +67,7 @@ def diagnose_contact(
     found = diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
     return replace(found, effects=[
         replace(one, indistinguishable_from=[*one.indistinguishable_from, COMPLIANCE])
-        if one.family == 'timing' or one.name == 'contact_offset' else one
+        if one.family in ('timing', 'relaxation') or one.name == 'contact_offset' else one
         for one in found.effects])
 
 
