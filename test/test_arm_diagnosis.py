@@ -12,7 +12,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
-from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
+from contact_estimation.diagnosis.arm.arm_recording import (
+    ArmRecording, named_as, read_arm_recording)
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
@@ -245,6 +246,19 @@ def test_other_joints_than_those_described_are_an_error() -> None:
     other = ArmRecording(one.name, ('a', 'b', 'c'), one.t, one.q, one.v, one.tau)
     with pytest.raises(RecordingError, match='expected those of the robot description: joint_1'):
         diagnose_arm(other, URDF)
+
+
+def test_a_table_of_numbered_joints_has_the_order_of_the_arm(tmp_path: Path) -> None:
+    one, path = arm_recording(), tmp_path / 'log.csv'
+    names = [f'q{k},tau_{k}' for k in (2, 0, 1)]
+    rows = [column for k in (2, 0, 1) for column in (one.q[:, k], one.tau[:, k])]
+    np.savetxt(path, np.column_stack([one.t, *rows]), delimiter=',', comments='',
+               header=f't,{",".join(names)}')
+    read = named_as(read_arm_recording(path), ArmDynamics(URDF))
+    assert read.joints == one.joints and read.wrench is None
+    assert read.q == pytest.approx(one.q) and read.tau == pytest.approx(one.tau)
+    chosen = {'joint.elbow': 'q0', 'joint.elbow.effort': 'tau_0'}
+    assert read_arm_recording(path, columns=chosen).joints == ('elbow',)
 
 
 def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:

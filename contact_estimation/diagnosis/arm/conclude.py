@@ -11,7 +11,7 @@ from typing import Callable, Sequence
 import numpy as np
 from scipy.optimize import nnls
 
-from .arm_recording import ArmRecording, joints_of, pressed_along
+from .arm_recording import ArmRecording, joints_of, named_as, pressed_along
 from .channels import Channels, Term
 from .checks import check_description, check_efforts, check_units, check_wrench, examine
 from .describe import ArmNames, described
@@ -56,8 +56,10 @@ def diagnose_arm(
             f'diagnose_arm needs one recording or more and seed >= 0, got {len(fitted)} '
             f'and {seed}')
     progress('checks')
-    arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
-    fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
+    arm = ArmDynamics(urdf)
+    fitted, tested = ([named_as(one, arm) for one in every] for every in (fitted, held_out))
+    arm = ArmDynamics(urdf, joints_of(fitted[0], arm))
+    fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, tested))
     checks = _checks(fitted, tested, arm)
     if not all(one.ok for one in checks if one.name == 'wrench_frame'):
         fitted, tested = ([replace(one, wrench=None) for one in every]

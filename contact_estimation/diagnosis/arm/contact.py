@@ -27,7 +27,7 @@ def diagnose_contact(
     nominal: PlantParameters, *, held_out: Sequence[str | PathLike[str]] = (),
     topics: Mapping[str, str] | None = None, parameters: Mapping[str, Any] | None = None,
     arm: ArmDiagnosis | None = None, seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None] = lambda text: None, **reading: Any,
 ) -> Diagnosis:
     """
     Compare contacts along the normal of an arm with a model of the environment.
@@ -44,8 +44,8 @@ def diagnose_contact(
     paths, held_out: recordings to fit and to test on
     urdf_file: robot description
     nominal: of which environment and physics are used
-    topics, parameters: as of `read_recording`; `kinematics.*` and `contact.normal` must be given
-    or recorded
+    topics, parameters, reading: as of `read_recording`; `kinematics.*` and `contact.normal` must
+    be given or recorded
     arm: diagnosis of the joints
     seed, progress: as of `diagnose`
     """
@@ -54,11 +54,12 @@ def diagnose_contact(
             if 'compliance' in one.parameters} if arm else {}
 
     def read(path: str | PathLike[str]) -> Recording:
-        one = without_reference(read_recording(path, topics=topics, parameters=chosen))
+        one = without_reference(read_recording(
+            path, topics=topics, parameters=chosen, **reading))
         if not soft:
             return one
         assert arm is not None and arm.channels is not None
-        states, s = read_arm_recording(path, topics, chosen), one.signals
+        states, s = read_arm_recording(path, topics, chosen, **reading), one.signals
         lag = tip_lag(states, arm.channels.arm, soft)
         lag = np.interp(s.joint_t - s.joint_t[0], states.t, lag)
         return replace(one, signals=s._replace(position=s.position - lag))
