@@ -228,8 +228,10 @@ class Gram:
         A[:, np.arange(size), np.arange(size)] = 1.0
         for k, mine in enumerate(local):
             _, _, places, _, _, S, r = self._eliminated(k, mine, shared)
-            A[:, places[:, None], places] += S
-            b[:, places] += r
+            every = len(places) == size  # a view is faster than a copy of its elements
+            at, of = (slice(None), slice(None)) if every else (places[:, None], places)
+            A[:, at, of] += S
+            b[:, of] += r
         both = np.linalg.solve(A, b[:, :, None])[:, :, 0]
         inner = []
         for k, mine in enumerate(local):
@@ -326,5 +328,4 @@ def of_blocks(T: Array) -> tuple[Array, Array]:
 
 def remainder(G: Array, c: Array, s: Array, theta: Array) -> Array:
     """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (B, K)."""
-    return np.asarray(s - 2.0 * np.einsum('bp,bp->b', theta, c)
-                      + np.einsum('bp,bpq,bq->b', theta, G, theta))
+    return np.asarray(s + (theta * ((G @ theta[:, :, None])[:, :, 0] - 2.0 * c)).sum(axis=1))
