@@ -68,7 +68,8 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
     return [
         Check('effort', not silent, (
             f'{", ".join(silent)} publish no effort, or the same most of the time: their motion '
-            'is used, their torque is not') if silent else 'all joints publish an effort',
+            'is used, their torque is not; let the driver publish it [N m] with each position'
+        ) if silent else 'all joints publish an effort',
             not effort.any()),
         Check('motion', not still, (
             f'{", ".join(still)} rest: their torque is not used; move every joint for some ten '
