@@ -72,9 +72,9 @@ setup(
             'sphinx>=7.3',
         ],
         # Test arms of `python -m contact_estimation.studies arms`; the descriptions are 130 MB.
-        'arms': ['example-robot-data', 'mujoco>=3.2', 'pin>=3.0'],
+        'arms': ['example-robot-data', 'mujoco>=3.2', 'pin>=3.2'],
         # Kinematics of arms. The wheels need numpy 2; with ROS 2 Jazzy use ros-jazzy-pinocchio.
-        'robots': ['pin>=3.0'],
+        'robots': ['pin>=3.2'],
         'fleet': [
             'distributed>=2023.12',
             'matplotlib>=3.6',
@@ -112,7 +112,7 @@ setup(
             'hypothesis>=6.100',
             'matplotlib>=3.6',
             'mypy>=1.9',
-            'pin>=3.0',  # arms
+            'pin>=3.2',  # arms
             'pydocstyle>=6.3',
             'pytest>=7.4',
             'pytest-xdist>=3.7',

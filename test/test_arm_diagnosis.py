@@ -12,19 +12,21 @@ from typing import Any
 from xml.etree import ElementTree
 
 from arm_worlds import arm_recording, FRICTION, motion, pressing, URDF
-from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
+from contact_estimation.diagnosis.arm.arm_recording import (
+    ArmRecording, named_as, read_arm_recording)
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import (
-    corrected_urdf, mjcf_snippet, of_pseudo_inertia, possible_inertial, pseudo_inertia)
-from contact_estimation.diagnosis.arm.gram import CALIBRATION, Gram, ZEROS
+    corrected_urdf, mjcf_snippet, possible_inertial)
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZEROS
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside
 from contact_estimation.kinematics.description import joint_friction
 from contact_estimation.parameters import build
+from contact_estimation.physics.joint_effects import ONE_DELAY
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw
@@ -38,6 +40,7 @@ CONCEALED = {
     'force_bias': ArmLaw('force_bias', [9.0], 1),
     'force_gain': ArmLaw('force_gain', [0.2], 0),
     'force_delay': ArmLaw('force_delay', [0.03]),
+    ONE_DELAY: ArmLaw(ONE_DELAY, [0.04], 0),
     'joint_spring': ArmLaw('joint_spring', [4.0], 1),
     'payload': ArmLaw('payload', BODY, 2),
     'base_tilt': ArmLaw('base_tilt', [0.08, 0.0]),
@@ -57,7 +60,7 @@ def diagnosed(name: str) -> ArmDiagnosis:
 @pytest.mark.parametrize('name', CONCEALED)
 def test_a_law_is_named_at_its_joint(name: str) -> None:
     law, found = CONCEALED[name], diagnosed(name)
-    names = [(one.name, one.term.place) for one in found.effects]
+    names = [(one.term.effect, one.term.place) for one in found.effects]
     assert (name, law.place) in names, as_text(found)
     first = found.effects[names.index((name, law.place))]
     value = next(iter(first.parameters.values()))
@@ -245,6 +248,19 @@ def test_other_joints_than_those_described_are_an_error() -> None:
         diagnose_arm(other, URDF)
 
 
+def test_a_table_of_numbered_joints_has_the_order_of_the_arm(tmp_path: Path) -> None:
+    one, path = arm_recording(), tmp_path / 'log.csv'
+    names = [f'q{k},tau_{k}' for k in (2, 0, 1)]
+    rows = [column for k in (2, 0, 1) for column in (one.q[:, k], one.tau[:, k])]
+    np.savetxt(path, np.column_stack([one.t, *rows]), delimiter=',', comments='',
+               header=f't,{",".join(names)}')
+    read = named_as(read_arm_recording(path), ArmDynamics(URDF))
+    assert read.joints == one.joints and read.wrench is None
+    assert read.q == pytest.approx(one.q) and read.tau == pytest.approx(one.tau)
+    chosen = {'joint.elbow': 'q0', 'joint.elbow.effort': 'tau_0'}
+    assert read_arm_recording(path, columns=chosen).joints == ('elbow',)
+
+
 def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
     channels = Channels([arm_recording()], ArmDynamics(URDF))
     gram = Gram(channels)
@@ -253,14 +269,16 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
     blocks = np.array_split(np.arange(len(piece.t)), len(gram.times))
     left_out = []
     for out in [*blocks, np.zeros(0, int)]:
-        A, b, errors = np.eye(size + 4), np.zeros(size + 4), []
+        A, b, errors = np.eye(size + 7), np.zeros(size + 7), []
         for j in range(3):
-            X = np.zeros((len(piece.t), size + 4))
+            X = np.zeros((len(piece.t), size + 7))
             X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
             tilt = Term('base_tilt')
             X[:, size - 2:size] = ZEROS[tilt] * piece.columns[tilt][j]
             X[:, size + j:size + j + 1] = piece.columns[model[j]][j] * gram.scales[model[j]]
-            X[:, -1:] = piece.columns[model[3]][j] * gram.scales[model[3]]
+            X[:, size + 3:size + 4] = piece.columns[model[3]][j] * gram.scales[model[3]]
+            load = piece.tau[:, j] - piece.residual[:, j]
+            X[:, size + 4 + j] = GAIN_KNOWN * load
             keep = piece.moving[:, j].copy()
             errors.append((X[out][keep[out]], piece.residual[out, j][keep[out]]))
             keep[out] = False
@@ -268,17 +286,21 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
             b += gram.weights[j] * X[keep].T @ piece.residual[keep, j]
         theta = np.linalg.solve(A, b)
         left_out.append([np.mean((y - X @ theta) ** 2) for X, y in errors] if len(out) else [])
-    assert found.theta[model[3]] == pytest.approx(theta[-1:] * gram.scales[model[3]])
+    assert found.theta[model[3]] == pytest.approx(theta[size + 3] * gram.scales[model[3]])
     assert found.left_out == pytest.approx(np.array(left_out[:-1]), rel=1e-6)
 
 
 def test_a_body_is_made_possible_where_it_is_not() -> None:
-    assert of_pseudo_inertia(pseudo_inertia(np.array(BODY))) == pytest.approx(BODY)
-    assert np.linalg.eigvalsh(pseudo_inertia(np.array(BODY))).min() > 0.0
     wrong = np.array(BODY) - [0.0, 0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0]
-    found = possible_inertial(wrong, np.diag(np.full(10, 1e-4)))
-    assert np.linalg.eigvalsh(pseudo_inertia(found)).min() > 0.0
-    assert found[0] == pytest.approx(1.0, abs=0.05)
+    for sign in (1.0, -1.0):  # a body too many, and one that lacks
+        found = sign * possible_inertial(sign * wrong, np.diag(np.full(10, 1e-4)))
+        mass, c = found[0], found[1:4] / found[0]
+        xx, xy, yy, xz, yz, zz = found[4:]
+        about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        moments = np.linalg.eigvalsh(about_origin - mass * (c @ c * np.eye(3) - np.outer(c, c)))
+        assert mass == pytest.approx(1.0, abs=0.05)
+        assert moments.min() > 0.0 and moments[2] <= moments[0] + moments[1] + 1e-12
+    assert possible_inertial(np.array(BODY), np.eye(10)) == pytest.approx(BODY)
 
 
 def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> None:

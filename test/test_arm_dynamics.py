@@ -8,7 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from arm_worlds import along, JOINTS, motion, URDF
-from contact_estimation.exceptions import MissingPackageError, UnknownNameError
+from contact_estimation.exceptions import (
+    MissingPackageError, ModelFileError, UnknownNameError)
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.physics.joint_drive import through_gap
@@ -72,6 +73,21 @@ def test_placeholder_masses_are_told() -> None:
 def test_an_unknown_joint_is_an_error_that_lists_the_known() -> None:
     with pytest.raises(UnknownNameError, match='joint_1, joint_2, joint_3'):
         ArmDynamics(URDF, ['joint_7'])
+
+
+def test_a_joint_may_have_the_name_of_its_link() -> None:
+    urdf = URDF.replace('"joint_3"', '"link_3"')
+    one, other = ArmDynamics(urdf, ['joint_1', 'joint_2']), ArmDynamics(
+        URDF, ['joint_1', 'joint_2'])
+    q = np.array([[0.3, -0.2]])
+    assert one.jacobian(q, 'link_3') == pytest.approx(other.jacobian(q, 'link_3'))
+    assert RobotModel(urdf, 'base', 'link_2').joint_names == ('joint_1', 'joint_2')
+    assert ArmDynamics(urdf).joints[-1] == 'link_3'
+
+
+def test_a_description_without_joints_is_an_error() -> None:
+    with pytest.raises(ModelFileError, match='must have joints that move, got none'):
+        ArmDynamics('<robot name="box"><link name="base"/></robot>')
 
 
 @pytest.mark.parametrize('name', [

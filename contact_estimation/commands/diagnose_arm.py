@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Callable, Sequence
 
 from .command_line import (
-    as_json, check_outputs, chosen_parameters, new_file, topics_of, write_results)
+    as_json, check_outputs, chosen_parameters, new_file, reading_of, topics_of, write_results)
 from .progress import Progress
 from ..diagnosis.arm.arm_recording import ArmRecording, read_arm_recording
 from ..diagnosis.arm.conclude import diagnose_arm
@@ -40,14 +40,14 @@ def run(options: Any) -> int:
     urdf = read_description(options.nominal_robot)
     progress = Progress('diagnose')
     stage = progress.stage(20)
-    topics, chosen = topics_of(options), chosen_parameters(options)
-    fitted, tested = ([read_arm_recording(path, topics, chosen) for path in paths]
-                      for paths in (options.recordings, options.holdout))
+    fitted, tested, simulations = (
+        [read_arm_recording(path, topics_of(options), chosen_parameters(options),
+                            **reading_of(options)) for path in paths]
+        for paths in (options.recordings, options.holdout, filter(None, [options.simulation])))
     _check_wrench(options, fitted)
     simulated = None
-    if options.simulation:
-        simulated = diagnose_arm(read_arm_recording(options.simulation, topics, chosen), urdf,
-                                 seed=options.seed, progress=stage)
+    for one in simulations:
+        simulated = diagnose_arm(one, urdf, seed=options.seed, progress=stage)
     diagnosis = diagnose_arm(fitted, urdf, held_out=tested, seed=options.seed,
                              simulated=simulated, progress=stage)
     if options.nominal:
@@ -96,7 +96,8 @@ def _contact(
     return diagnose_contact(
         options.recordings, options.nominal_robot, read_model(options.nominal),
         held_out=options.holdout, topics=topics_of(options),
-        parameters=chosen_parameters(options), arm=arm, seed=options.seed, progress=progress)
+        parameters=chosen_parameters(options), arm=arm, seed=options.seed, progress=progress,
+        **reading_of(options))
 
 
 def _beside(path: str | None, suffix: str) -> str | None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .description import joint_drives, link_masses
-from .robot_model import parsed_urdf, pinocchio
+from .robot_model import parsed_urdf, pinocchio, with_locked
 from ..exceptions import ModelFileError, UnknownNameError
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ class ArmDynamics:
                 raise UnknownNameError.among('joint of the robot description', joint, names)
         locked = [k for k in range(1, full.njoints)
                   if joints is not None and full.names[k] not in joints]
-        self.model = pin.buildReducedModel(full, locked, pin.neutral(full))
+        self.model = with_locked(pin, full, locked)
         wide = [name for name, joint in zip(list(self.model.names)[1:],
                                             list(self.model.joints)[1:]) if joint.nv != 1]
         if wide:
@@ -66,6 +66,10 @@ class ArmDynamics:
                 'description of the arm alone')
         self.data = self.model.createData()
         self.joints = tuple(list(self.model.names)[1:])
+        if not self.joints:
+            raise ModelFileError(
+                'the robot description must have joints that move, got none; give the '
+                'description of the arm, with xacro expanded')
         self.links = tuple(_moved_link(self.model, k + 1) for k in range(len(self.joints)))
         self.neutral: Array = np.concatenate(
             [one.toDynamicParameters() for one in list(self.model.inertias)[1:]])
@@ -89,9 +93,10 @@ class ArmDynamics:
         """Say why the masses of the description cannot be those of an arm; '' if they may be."""
         heaviest, inertias = self.masses.max(), self.neutral.reshape(-1, PER_LINK)[:, 4:]
         if heaviest < _PLACEHOLDER_KG:
-            return f'its heaviest moving link has {heaviest:.3g} kg'
+            return (f'its heaviest moving link has {heaviest:.3g} kg, expected at least '
+                    f'{_PLACEHOLDER_KG:g} kg')
         if self._alike:
-            return 'all of its links have the same mass'
+            return f'all of its links have the same mass of {heaviest:.3g} kg'
         if np.abs(inertias).max() < _PLACEHOLDER_KGM2:
             return 'no link has an inertia'
         return ''

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 Pose = tuple[Array, Array]
 """Axes of a frame as columns of a rotation matrix (3, 3), and its origin (3,) [m]."""
 
+_JOINT = ' (joint)'  # added to the name of a joint which its link has, too
+
 
 class RobotModel:
     """
@@ -53,7 +55,7 @@ class RobotModel:
             )
         fixed = [joint for joint in range(1, model.njoints) if joint not in chain]
         self._full, self._chain = model, frozenset([*above_base, *chain])
-        self._model = pin.buildReducedModel(model, fixed, pin.neutral(model))
+        self._model = with_locked(pin, model, fixed)
         self._data = self._model.createData()
         self.joint_names = tuple(self._model.names[1:])
         joints = self._model.joints[1:]
@@ -201,6 +203,18 @@ def parsed_urdf(pin: Any, urdf: str) -> Any:
             f'robot description ({len(urdf)} characters, beginning {urdf[:40]!r}) must be a URDF '
             f'that Pinocchio can read: {reason}; xacro files must be expanded first'
         ) from error
+
+
+def with_locked(pin: Any, model: Any, locked: Sequence[int]) -> Any:
+    """Lock joints at 0; a name of a link is then that of no other frame."""
+    links = _links(model)
+    for number, frame in enumerate(model.frames):
+        if links.get(frame.name, number) != number:
+            frame.name += _JOINT
+    for joint in locked:  # becomes a frame of its name
+        if model.names[joint] in links:
+            model.names[joint] += _JOINT
+    return pin.buildReducedModel(model, list(locked), pin.neutral(model))
 
 
 def _frame(model: Any, name: str) -> int:

@@ -55,8 +55,12 @@ def through_gap(motion: JointMotion, j: int, gap: float) -> Array:
 
 
 def _delayed(motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
-    rate = -motion.rate(motion.load)
-    return {j: rate[:, j][:, None] for j in range(rate.shape[1])}
+    every = range(motion.load.shape[1]) if place is None else (place,)
+    return {j: -motion.rate(motion.load[:, j])[:, None] for j in every}
+
+
+def _delay(motion: JointMotion, place: Place) -> Array:
+    return np.array([0.01])
 
 
 def _compliance(motion: JointMotion, j: int) -> Array:
@@ -78,7 +82,11 @@ DRIVE = (
     # Torques are stamped later than positions, or earlier if negative.
     JointEffect(
         'force_delay', 'timing', 'tau(t) = load(t - delay)', (('delay', 's'),), _delayed,
-        place='arm', typical=lambda motion, place: np.array([0.01])),
+        place='arm', typical=_delay),
+    # That of one joint alone: a filter, or a bus on which drives are read in turn.
+    JointEffect(
+        'force_delay', 'timing', 'tau_j(t) = load_j(t - delay)', (('delay', 's'),), _delayed,
+        typical=_delay),
     # A cable, a hose or a spring; K q_0 is a zero of the torque.
     JointEffect(
         'joint_spring', 'elastic_law', 'tau += K (q - q_0)', (('K', 'N m/rad'),),

@@ -12,9 +12,11 @@ from .joint_friction import FRICTION
 
 __all__ = ['JOINT_EFFECTS', 'JointEffect', 'JointMotion', 'Place']
 
-LINK_SIDE = 'joint_flexibility_link_side'
-"""Key of the second law of one name."""
+LINK_SIDE, ONE_DELAY = 'joint_flexibility_link_side', 'force_delay_of_joint'
+"""Keys of second laws of one name."""
+
+_SECOND = {'joint_flexibility': LINK_SIDE, 'force_delay': ONE_DELAY}
 
 JOINT_EFFECTS: dict[str, JointEffect] = {}
 for _one in (*FRICTION, *DRIVE, *LOAD):
-    JOINT_EFFECTS[LINK_SIDE if _one.name in JOINT_EFFECTS else _one.name] = _one
+    JOINT_EFFECTS[_SECOND[_one.name] if _one.name in JOINT_EFFECTS else _one.name] = _one

@@ -115,10 +115,10 @@ def exciting_trajectory(
 def _drawn(arm: ArmDynamics, t: Array, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Draw a motion: harmonics of a tenth of a hertz, as large as the limits allow."""
     limits, n = arm.limits, len(arm.joints)
-    low, high = limits['position']
-    free = ~(np.isfinite(low) & np.isfinite(high))
-    middle = np.where(free, 0.0, 0.5 * (low + high))
-    reach = _OF_LIMIT * np.where(free, _TURN, np.minimum(0.5 * (high - low), 2.0 * _TURN))
+    free = ~np.isfinite(limits['position']).all(axis=0)
+    low, high = np.where(free, [[-_TURN], [_TURN]], limits['position'])
+    middle = 0.5 * (low + high)
+    reach = _OF_LIMIT * np.minimum(0.5 * (high - low), 2.0 * _TURN)
     speed = _OF_LIMIT * np.minimum(limits['velocity'], _SPEED)
     x = np.zeros((len(t), n))
     for k in range(1, _HARMONICS + 1):

@@ -14,9 +14,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from ..diagnosis.arm.corrected_robot import centred
 from ..exceptions import MissingPackageError
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ..kinematics.robot_model import pinocchio
 
 Array = NDArray[np.float64]
 
@@ -133,10 +133,10 @@ def _add_gear(root: ElementTree.Element, name: str) -> None:
 
 def _set_inertia(mj: Any, model: Any, body: int, theta: Array) -> None:
     """Give a body mass, centre and principal inertia."""
-    mass, c, J = centred(theta)
-    principal, axes = np.linalg.eigh(J)
+    own = pinocchio().Inertia.FromDynamicParameters(theta)
+    principal, axes = np.linalg.eigh(own.inertia)
     axes[:, 0] *= np.linalg.det(axes)
-    model.body_mass[body], model.body_ipos[body] = mass, c
+    model.body_mass[body], model.body_ipos[body] = own.mass, own.lever
     model.body_inertia[body] = principal
     mj.mju_mat2Quat(model.body_iquat[body], axes.flatten())
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+import re
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -119,17 +120,18 @@ class ArmRecording:
 
 def read_arm_recording(
     path: str | PathLike[str], topics: Mapping[str, str] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None, **reading: Any,
 ) -> ArmRecording:
     """
     Read the joint states of a whole arm, and its wrenches if there are any.
 
-    path: recording
+    path: recording, or table with columns of positions and efforts
     topics: recorded topics by 'joint_states' and 'wrench'; these names by default
     parameters: parameters of `estimator_node` by dotted name, of which those of sensor and tool
     are used
+    **reading: further attributes of `RecordingSource`, such as columns={'joint.NAME': 'q0'}
     """
-    source = RecordingSource.of_topics(topics or {})
+    source = RecordingSource.of_topics(topics or {}, **reading)
     reader = RecordingReader(str(path), source)
     readings = _readings(reader, source.joint_states)
     most = max(map(len, readings.values()))
@@ -205,6 +207,14 @@ def _interpolated(stamps: Array, rows: Array) -> Array:
     return np.stack([np.interp(stamps, rows[:, 0], rows[:, k]) for k in (1, 2, 3)], axis=1)
 
 
+def named_as(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
+    """Return a recording of q0, q1, ..., as tables have them, with the names of an arm."""
+    order = sorted(recording.joints, key=lambda name: (len(name), name))
+    if len(order) != len(arm.joints) or not all(re.fullmatch(r'q\d+', name) for name in order):
+        return recording
+    return replace(recording.of_joints(tuple(order)), joints=arm.joints)
+
+
 def joints_of(recording: ArmRecording, arm: ArmDynamics) -> tuple[str, ...]:
     """Return the joints of a description that a recording holds, from base to tip."""
     found = tuple(name for name in arm.joints if name in recording.joints)
@@ -212,5 +222,6 @@ def joints_of(recording: ArmRecording, arm: ArmDynamics) -> tuple[str, ...]:
         raise RecordingError(
             f'{recording.name} holds the joints {", ".join(recording.joints)}, expected those of '
             f'the robot description: {", ".join(arm.joints)}; give the description of this arm, '
-            'with the prefix that its driver uses')
+            'with the prefix that its driver uses, or of a table --columns joint.NAME=COLUMN '
+            'joint.NAME.effort=COLUMN ...')
     return found

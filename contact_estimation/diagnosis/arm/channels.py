@@ -247,9 +247,7 @@ class Channels:
         Returns torque (M,): [N m]
         """
         torque = self.regressor(piece, j) @ fitted.calibration
-        for term, theta in fitted.zeros.items():
-            torque = torque + piece.columns[term][j] @ theta
-        for term, theta in fitted.theta.items():
+        for term, theta in (*fitted.zeros.items(), *fitted.theta.items()):
             if j in piece.columns[term] and (zeros or term.effect != 'force_bias'):
                 torque = torque + piece.columns[term][j] @ theta
         return np.asarray(torque)

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Iterator, NamedTuple, Sequence
 
@@ -15,6 +14,7 @@ from scipy.optimize import linear_sum_assignment, nnls
 
 from .arm_recording import ArmRecording, Array
 from .channels import Channels
+from ..checks.check import Check
 from ...kinematics.arm_dynamics import ArmDynamics
 
 _WELL = 0.5  # share of a torque's variance that a plain model leaves of a joint that is read right
@@ -30,25 +30,16 @@ _DEGREES = np.pi / 180.0
 _BEYOND = 1.2  # times a limit
 
 
-@dataclass(frozen=True)
-class ArmCheck:
-    """The result of a check."""
-
-    name: str  # such as 'torque_sign'
-    ok: bool  # false if something is to be corrected
-    text: str  # measured, expected and what to change
-    fatal: bool = True  # whether nothing can be diagnosed before that
-
-
-def check_description(arm: ArmDynamics) -> ArmCheck:
+def check_description(arm: ArmDynamics) -> Check:
     """Refuse a description whose masses are placeholders."""
     reason = arm.placeholder
-    return ArmCheck('description_masses', not reason, (
+    return Check('description_masses', not reason, (
         f'the masses of the robot description are placeholders: {reason}; give a description with '
-        'the inertial parameters of the maker') if reason else 'the links have masses')
+        'the inertial parameters of the maker') if reason else 'the links have masses',
+        fatal=bool(reason))
 
 
-def check_units(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
+def check_units(recording: ArmRecording, arm: ArmDynamics) -> Check:
     """Refuse positions in degrees; say if one is beyond its limits."""
     low, high = arm.limits['position']
     limit = np.maximum(np.abs(low), np.abs(high))
@@ -58,16 +49,16 @@ def check_units(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
     reaches = (f'{recording.name}: {arm.joints[k]} reaches {most[k]:.4g}'
                + (f', its limit is {limit[k]:.3g}' if bounded[k] else ''))
     if np.mean(over > _BEYOND) >= 0.5 and (most * _DEGREES <= 1.1 * limit).all():
-        return ArmCheck('angle_unit', False,
-                        f'{reaches} rad: positions are in degrees; publish radians')
+        return Check('angle_unit', False,
+                     f'{reaches} rad: positions are in degrees; publish radians', True)
     if over[k] > _BEYOND and bounded[k]:
-        return ArmCheck('position_limits', False, (
+        return Check('position_limits', False, (
             f'{reaches}: joints are named in another order, or this is another robot; compare '
-            'the names of joint states and description'), False)
-    return ArmCheck('angle_unit', True, 'positions lie within what radians allow')
+            'the names of joint states and description'))
+    return Check('angle_unit', True, 'positions lie within what radians allow')
 
 
-def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[ArmCheck]:
+def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[Check]:
     """Say which joints publish no effort, rest, or publish no velocity; refuse if all do."""
     effort, velocity, moves = (np.all([getattr(one, name) for one in recordings], axis=0)
                                for name in ('has_effort', 'has_velocity', 'moves'))
@@ -75,28 +66,29 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
     silent = [name for name, known in zip(arm.joints, effort) if not known]
     slow = [name for name, known in zip(arm.joints, velocity) if not known]
     return [
-        ArmCheck('effort', not silent, (
+        Check('effort', not silent, (
             f'{", ".join(silent)} publish no effort, or the same most of the time: their motion '
-            'is used, their torque is not') if silent else 'all joints publish an effort',
+            'is used, their torque is not; let the driver publish it [N m] with each position'
+        ) if silent else 'all joints publish an effort',
             not effort.any()),
-        ArmCheck('motion', not still, (
+        Check('motion', not still, (
             f'{", ".join(still)} rest: their torque is not used; move every joint for some ten '
             'seconds, as --write-trajectory does') if still else 'all joints move',
             not (effort & moves).any()),
-        ArmCheck('velocity', True, (
+        Check('velocity', True, (
             f'{", ".join(slow)} publish no velocity: ' if slow else '')
             + 'velocities are derived from positions'),
     ]
 
 
-def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> ArmCheck:
+def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> Check:
     """Say if the wrench cannot be used: nothing then tells a contact from friction."""
     frame = recording.wrench.frame if recording.wrench else ''
     known = not frame or frame in arm.frames
-    return ArmCheck('wrench_frame', known, 'the sensor of the wrench is a link' if known else (
+    return Check('wrench_frame', known, 'the sensor of the wrench is a link' if known else (
         f'{recording.name}: the wrench is measured in {frame}, which is no link of the robot '
         'description, and is not used: what touches the arm then looks like physics of its '
-        'joints; set force_sensor.frame in --params to the link of the sensor'), False)
+        'joints; set force_sensor.frame in --params to the link of the sensor'))
 
 
 class Reading:
@@ -150,6 +142,14 @@ class Reading:
         return (float(np.log(rest**2 / (len(q) * (tau.var() + 1e-12)) + 1e-4)),
                 float(theta[-1] / scale[-1]))
 
+    def compared(self, j: int) -> str:
+        """Return range of a joint's torque, and its correlation with that of the description."""
+        tau, load = self.tau[:, j], self.load[:, j]
+        both = np.stack([tau - tau.mean(), load - load.mean()])
+        alike = both[0] @ both[1] / (np.prod(np.linalg.norm(both, axis=1)) + 1e-12)
+        return (f'{self.arm.joints[j]} has {np.ptp(tau):.3g} N m from end to end, '
+                f'{np.ptp(load):.3g} expected; correlation {alike:.2f}')
+
     def errors(self, load: Array | None = None, sign: float = 1.0) -> Array:
         """Return the log error of each joint with a torque."""
         load = self.load if load is None else load
@@ -178,8 +178,9 @@ def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
     names = ', '.join(reading.arm.joints[j] for j, one in zip(reading.joints, wrong) if one)
     if names:
         yield Misreading('torque_sign', (
-            f'the torques of {names} have the opposite sign: they brake where the arm must push; '
-            'publish the torque that the drive applies to the joint'),
+            f'the torques of {names} have the opposite sign: they brake where the arm must '
+            f'push ({reading.compared(reading.joints[int(np.argmax(wrong))])}); publish the '
+            'torque that the drive applies to the joint'),
             np.where(wrong, flipped, right), 0.0)
 
 
@@ -226,14 +227,16 @@ def _mirrored(reading: Reading, right: Array) -> Iterator[Misreading]:
 def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
     """Return torques that lack those of gravity, or all of the arm."""
     still = np.zeros_like(reading.q)
+    shown = reading.compared(int(np.argmax(np.ptp(reading.load, axis=0))))
     yield Misreading('torque_gravity', (
-        'the torques lack those of gravity: the controller compensates it and publishes what it '
-        'adds; record the measured torque, or add the gravity torque of the controller'),
+        f'the torques lack those of gravity ({shown}): the controller compensates it and '
+        'publishes what it adds; record the measured torque, or add the gravity torque of the '
+        'controller'),
         reading.errors(reading.load - reading.arm.torque(reading.q, still, still)))
     yield Misreading('torque_external', (
-        'the torques show none of the weight and inertia of the arm: an estimate of external '
-        'torques, what a controller adds, or another unit, such as currents or torques of the '
-        'motors; record the torque of each joint in N m'), reading.errors(
+        f'the torques show none of the weight and inertia of the arm ({shown}): an estimate of '
+        'external torques, what a controller adds, or another unit, such as currents or torques '
+        'of the motors; record the torque of each joint in N m'), reading.errors(
             -reading.felt(reading.q)))
 
 
@@ -252,9 +255,9 @@ def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
             texts.append(f'{reading.arm.joints[j]} {gain:.3g}')
     if texts:
         yield Misreading('torque_unit', (
-            'torques are not those of the joints in N m; measured over modelled: '
-            f'{", ".join(texts)}; multiply currents by motor constant and gear ratio, N mm by '
-            '0.001'), errors, 0.0)
+            'torques are not those of the joints in N m; measured over modelled, about 1 '
+            f'expected: {", ".join(texts)}; multiply currents by motor constant and gear ratio, '
+            'N mm by 0.001'), errors, 0.0)
 
 
 _READ = {
@@ -268,7 +271,7 @@ _READ = {
 """What is right, by check."""
 
 
-def check_reading(reading: Reading) -> list[ArmCheck]:
+def check_reading(reading: Reading) -> list[Check]:
     """Refuse what another reading of signs, order, units or kind of torques explains best."""
     some = reading.thinned()
     right = some.errors()
@@ -278,11 +281,11 @@ def check_reading(reading: Reading) -> list[ArmCheck]:
             if one.errors.sum() + one.price < best:
                 best, found = float(one.errors.sum()) + one.price, one
     if found is not None:
-        return [ArmCheck(found.check, False, found.text)]
-    return [ArmCheck(name, True, text) for name, text in _READ.items()]
+        return [Check(found.check, False, found.text, fatal=True)]
+    return [Check(name, True, text) for name, text in _READ.items()]
 
 
-def check_clock(reading: Reading) -> ArmCheck:
+def check_clock(reading: Reading) -> Check:
     """Say by how much torques are stamped later than positions; `reading` of one piece."""
     t, scores = reading.t, list[float]()
     for lag in _LAGS_S:
@@ -296,12 +299,12 @@ def check_clock(reading: Reading) -> ArmCheck:
     at_zero = scores[len(_LAGS_S) // 2]
     late = abs(lag) > _LAG_S and scores[best] < at_zero - _FOLD
     word = 'later' if lag > 0.0 else 'earlier'
-    return ArmCheck('clock_offset', not late, (
+    return Check('clock_offset', not late, (
         f'torques are stamped about {1e3 * abs(lag):.0f} ms {word} than positions; stamp both '
-        'when they are measured') if late else 'torques and positions have one clock', False)
+        'when they are measured') if late else 'torques and positions have one clock')
 
 
-def examine(channels: Channels) -> list[ArmCheck]:
+def examine(channels: Channels) -> list[Check]:
     """Make all checks that need the dynamics; what follows one that fails has no meaning."""
     found = check_reading(Reading(channels))
     return found if not found[-1].ok else [*found, check_clock(Reading(channels, 1))]

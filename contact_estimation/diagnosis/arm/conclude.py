@@ -11,13 +11,14 @@ from typing import Callable, Sequence
 import numpy as np
 from scipy.optimize import nnls
 
-from .arm_recording import ArmRecording, joints_of, pressed_along
+from .arm_recording import ArmRecording, joints_of, named_as, pressed_along
 from .channels import Channels, Term
-from .checks import ArmCheck, check_description, check_efforts, check_units, check_wrench, examine
+from .checks import check_description, check_efforts, check_units, check_wrench, examine
 from .describe import ArmNames, described
 from .gram import Gram
 from .result import ArmDiagnosis, ArmEffect, HeldOutArm, JointResult, VERDICTS
 from .space import ArmModels, group_of, label, MOST_LAWS
+from ..checks.check import Check
 from ..fit.beam import Compared, search
 from ..fit.names import likely, Name, Named
 from ...exceptions import ParameterRangeError, RecordingError
@@ -55,8 +56,10 @@ def diagnose_arm(
             f'diagnose_arm needs one recording or more and seed >= 0, got {len(fitted)} '
             f'and {seed}')
     progress('checks')
-    arm = ArmDynamics(urdf, joints_of(fitted[0], ArmDynamics(urdf)))
-    fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, held_out))
+    arm = ArmDynamics(urdf)
+    fitted, tested = ([named_as(one, arm) for one in every] for every in (fitted, held_out))
+    arm = ArmDynamics(urdf, joints_of(fitted[0], arm))
+    fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, tested))
     checks = _checks(fitted, tested, arm)
     if not all(one.ok for one in checks if one.name == 'wrench_frame'):
         fitted, tested = ([replace(one, wrench=None) for one in every]
@@ -81,7 +84,7 @@ def diagnose_arm(
 
 def _checks(
     fitted: Sequence[ArmRecording], tested: Sequence[ArmRecording], arm: ArmDynamics
-) -> list[ArmCheck]:
+) -> list[Check]:
     """Make the checks that need no dynamics."""
     return [check_description(arm), *(check_units(one, arm) for one in fitted),
             *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
@@ -99,7 +102,7 @@ def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
 
 
 def _concluded(
-    space: ArmModels, compared: Compared, named: Named, checks: list[ArmCheck],
+    space: ArmModels, compared: Compared, named: Named, checks: list[Check],
     silent: dict[str, str], tested: Sequence[ArmRecording], known: Sequence[Term],
 ) -> ArmDiagnosis:
     channels = space.gram.channels
@@ -221,17 +224,17 @@ def _plain_friction(
     return float(F_c), float(B)
 
 
-def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> ArmCheck:
+def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> Check:
     """Say if the description carries a hand that the arm does not."""
     for one in effects:
         if one.name != 'payload':
             continue
         mass = one.parameters['mass'].value
         if mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
-            return ArmCheck('tool', False, (
+            return Check('tool', False, (
                 f'the description has {-mass:.2g} kg more at {one.link} than the arm: a '
-                'hand or a tool that is not mounted; remove its <inertial>, or mount it'), False)
-    return ArmCheck('tool', True, 'the description has no tool that the arm lacks')
+                'hand or a tool that is not mounted; remove its <inertial>, or mount it'))
+    return Check('tool', True, 'the description has no tool that the arm lacks')
 
 
 def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:

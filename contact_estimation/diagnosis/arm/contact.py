@@ -27,7 +27,7 @@ def diagnose_contact(
     nominal: PlantParameters, *, held_out: Sequence[str | PathLike[str]] = (),
     topics: Mapping[str, str] | None = None, parameters: Mapping[str, Any] | None = None,
     arm: ArmDiagnosis | None = None, seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None] = lambda text: None, **reading: Any,
 ) -> Diagnosis:
     """
     Compare contacts along the normal of an arm with a model of the environment.
@@ -36,15 +36,16 @@ def diagnose_contact(
     and whatever controller moves the tip is nothing that the contact could lack.
 
     A compliance C between the measured joints and the wall looks like a wall that is softer by
-    1 + K_e C, begins where the arm sags to, and pushes late: F + B_e' C dF/dt =
-    -(K_e' (x - x_e) + B_e' v). That of `joint_flexibility` in the diagnosis `arm` is taken out of
-    x; one that is not known is listed beside both.
+    1 + K_e C, begins where the arm sags to, and pushes late or relaxes (with a spring in series it
+    is the standard linear solid): F + B_e' C dF/dt = -(K_e' (x - x_e) + B_e' v). That of
+    `joint_flexibility` in the diagnosis `arm` is taken out of x; one that is not known is listed
+    beside these.
 
     paths, held_out: recordings to fit and to test on
     urdf_file: robot description
     nominal: of which environment and physics are used
-    topics, parameters: as of `read_recording`; `kinematics.*` and `contact.normal` must be given
-    or recorded
+    topics, parameters, reading: as of `read_recording`; `kinematics.*` and `contact.normal` must
+    be given or recorded
     arm: diagnosis of the joints
     seed, progress: as of `diagnose`
     """
@@ -53,11 +54,12 @@ def diagnose_contact(
             if 'compliance' in one.parameters} if arm else {}
 
     def read(path: str | PathLike[str]) -> Recording:
-        one = without_reference(read_recording(path, topics=topics, parameters=chosen))
+        one = without_reference(read_recording(
+            path, topics=topics, parameters=chosen, **reading))
         if not soft:
             return one
         assert arm is not None and arm.channels is not None
-        states, s = read_arm_recording(path, topics, chosen), one.signals
+        states, s = read_arm_recording(path, topics, chosen, **reading), one.signals
         lag = tip_lag(states, arm.channels.arm, soft)
         lag = np.interp(s.joint_t - s.joint_t[0], states.t, lag)
         return replace(one, signals=s._replace(position=s.position - lag))
@@ -66,7 +68,7 @@ def diagnose_contact(
     found = diagnose(fitted, nominal, held_out=tested, seed=seed, progress=progress)
     return replace(found, effects=[
         replace(one, indistinguishable_from=[*one.indistinguishable_from, COMPLIANCE])
-        if one.family == 'timing' or one.name == 'contact_offset' else one
+        if one.family in ('timing', 'relaxation') or one.name == 'contact_offset' else one
         for one in found.effects])
 
 

@@ -13,33 +13,16 @@ from scipy.optimize import least_squares
 from .arm_recording import Array
 from .result import ArmDiagnosis
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ...kinematics.robot_model import pinocchio
 
 _LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
+_GYRATION_M = 0.05  # with which the search for a body begins
 
 
-def _tensor(theta: Array) -> Array:
-    """Return the inertia about the origin, shape (3, 3)."""
-    xx, xy, yy, xz, yz, zz = theta[4:]
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def centred(theta: Array) -> tuple[float, Array, Array]:
-    """Return mass, centre (3,), and inertia about the centre (3, 3) of ten parameters."""
-    mass, c = float(theta[0]), theta[1:4] / theta[0]
-    return mass, c, _tensor(theta) - mass * ((c @ c) * np.eye(3) - np.outer(c, c))
-
-
-def pseudo_inertia(theta: Array) -> Array:
-    """Return the matrix (4, 4) that is positive definite for each possible body."""
-    mass, h, J = theta[0], theta[1:4], _tensor(theta)
-    upper = 0.5 * np.trace(J) * np.eye(3) - J
-    return np.block([[upper, h[:, None]], [h[None, :], np.array([[mass]])]])
-
-
-def of_pseudo_inertia(P: Array) -> Array:
-    """Return the ten parameters of a pseudo-inertia."""
-    J = np.trace(P[:3, :3]) * np.eye(3) - P[:3, :3]
-    return np.array([P[3, 3], *P[:3, 3], J[0, 0], J[0, 1], J[1, 1], J[0, 2], J[1, 2], J[2, 2]])
+def is_body(theta: Array) -> bool:
+    """Return whether a body can have ten parameters: its pseudo-inertia is positive definite."""
+    pseudo = pinocchio().PseudoInertia.FromDynamicParameters(theta).toMatrix()
+    return bool(np.linalg.eigvalsh(pseudo).min() > _LEAST)
 
 
 def possible_inertial(theta: Array, covariance: Array) -> Array:
@@ -54,21 +37,18 @@ def possible_inertial(theta: Array, covariance: Array) -> Array:
     mass is lacking
     """
     sign = 1.0 if theta[0] >= 0.0 else -1.0
-    if np.linalg.eigvalsh(sign * pseudo_inertia(theta)).min() > _LEAST:
+    if is_body(sign * theta):
         return theta
+    log_cholesky = pinocchio().LogCholeskyParameters
     whiten = np.linalg.inv(np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance))))
-    lower = np.tril_indices(4, -1)
 
     def body(x: Array) -> Array:
-        L = np.diag(np.exp(x[:4]))
-        L[lower] = x[4:]
-        return sign * of_pseudo_inertia(L @ L.T)
+        return np.asarray(sign * log_cholesky(x).toDynamicParameters())
 
-    mass = max(abs(theta[0]), 1e-3)
-    radius = np.full(3, 0.05 * np.sqrt(mass))
-    start = np.concatenate([np.log(radius), [0.5 * np.log(mass)], np.zeros(6)])
+    start = np.zeros(10)
+    start[:4] = 0.5 * np.log(max(abs(theta[0]), 1e-3)), *3 * [np.log(_GYRATION_M)]
     found = least_squares(lambda x: whiten @ (body(x) - theta), start, method='trf', max_nfev=200)
-    return np.asarray(body(found.x))
+    return body(found.x)
 
 
 _WRITTEN = ('coulomb_friction', 'viscous_friction', 'payload', 'link_inertia')
@@ -95,12 +75,11 @@ def link_parameters(d: ArmDiagnosis) -> Array:
     arm = d.channels.arm
     nominal = arm.neutral.reshape(-1, PER_LINK)
     calibrated = nominal + d.fitted.calibration.reshape(-1, PER_LINK)
-    possible = [np.linalg.eigvalsh(pseudo_inertia(one)).min() > 0.0 for one in calibrated]
-    links = np.where(np.array(possible)[:, None], calibrated, nominal)
+    links = np.where(np.array([*map(is_body, calibrated)])[:, None], calibrated, nominal)
     for one in d.effects:
         if one.family == 'load' and not one.recording:
             changed = links[one.term.place] + [value.value for value in one.parameters.values()]
-            if np.linalg.eigvalsh(pseudo_inertia(changed)).min() > 0.0:
+            if is_body(changed):
                 links[one.term.place] = changed
     return np.asarray(links)
 
@@ -143,11 +122,13 @@ def _set_inertial(link: ElementTree.Element, theta: Array) -> None:
     if inertial is not None:
         link.remove(inertial)
     inertial = ElementTree.SubElement(link, 'inertial')
-    mass, c, J = centred(theta)
-    ElementTree.SubElement(inertial, 'origin', xyz=' '.join(f'{x:.6g}' for x in c), rpy='0 0 0')
-    ElementTree.SubElement(inertial, 'mass', value=f'{mass:.6g}')
+    own = pinocchio().Inertia.FromDynamicParameters(theta)
+    ElementTree.SubElement(
+        inertial, 'origin', xyz=' '.join(f'{x:.6g}' for x in own.lever), rpy='0 0 0')
+    ElementTree.SubElement(inertial, 'mass', value=f'{own.mass:.6g}')
     ElementTree.SubElement(inertial, 'inertia', {
-        f'i{"xyz"[i]}{"xyz"[k]}': f'{J[i, k]:.6g}' for i in range(3) for k in range(i, 3)})
+        f'i{"xyz"[i]}{"xyz"[k]}': f'{own.inertia[i, k]:.6g}'
+        for i in range(3) for k in range(i, 3)})
 
 
 def mjcf_snippet(d: ArmDiagnosis) -> str:

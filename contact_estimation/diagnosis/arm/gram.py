@@ -26,14 +26,16 @@ from ...physics.carried_load import typical_inertial
 from ...physics.joint_effects import JOINT_EFFECTS
 
 CALIBRATION = Term('calibration')
+GAIN = Term('gain')  # of the torque of a joint, as far as it is no finding
 # Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
 GAIN_STD = 0.15
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
+GAIN_KNOWN = 0.02  # the same of the gain of a sensor that was calibrated
 # Standard deviations of zeros that are fitted and are no finding: the level of the base, by eye
 # [rad], and zero and gain of a wrench that was tared [N], [N m].
 ZEROS = {Term('base_tilt'): np.full(2, 0.01),
          Term('wrench_bias'): np.array([2.0, 2.0, 2.0, 0.2, 0.2, 0.2]),
-         Term('wrench_gain'): np.array([0.02])}
+         Term('wrench_gain'): np.array([GAIN_KNOWN])}
 FLOOR = ARM.instrument  # of the range of a joint's torque: what no model of an arm explains
 _DIRECTIONS, _LEAST = 24, 0.002  # of calibration that move a torque by this share of its range
 _NOISE_KNOWN = 0.4  # of the mean square of noise: its standard deviation to a fifth
@@ -47,7 +49,7 @@ class Fitted(NamedTuple):
 
     theta: dict[Term, Array]  # coefficients
     calibration: Array  # (10 n,) change of the links' parameters that is no finding
-    zeros: dict[Term, Array]  # tilt of the base, and zero of the wrench, that are no finding
+    zeros: dict[Term, Array]  # tilt, gains, and zero of the wrench, that are no finding
     # left_out, fitted (B, C): mean squares of the errors of each block and joint, of the fit on
     # the others and on all [N^2 m^2]
     left_out: Array
@@ -130,13 +132,14 @@ class Gram:
         sums = list[list[tuple[Array, Array, float, float]]]()
         for j in self.joints:
             mine = [term for term in terms[1:] if j in pieces[0].columns[term]]
-            widths = [self.width(CALIBRATION), *(len(self.scales[term]) for term in mine)]
-            ends = np.cumsum([0, *widths])
+            every = (CALIBRATION, GAIN, *mine)
+            ends = np.cumsum([0, *map(self.width, every)])
             self.at.append({term: np.arange(first, last) for term, first, last in zip(
-                (CALIBRATION, *mine), ends[:-1], ends[1:])})
+                every, ends[:-1], ends[1:])})
             wide = {id(one): np.concatenate(
                 [self.channels.regressor(one, j) @ self.directions,
                  *(std * one.columns[term][j] for term, std in self.zeros.items()),
+                 GAIN_KNOWN * one.columns[Term('force_gain', j)][j],
                  *(one.columns[term][j] * self.scales[term] for term in mine)], axis=1)
                 for one in pieces}
             sums.append([])
@@ -186,8 +189,8 @@ class Gram:
         return self._known[key]
 
     def index(self, k: int, terms: Iterable[Term]) -> Array:
-        found = [self.at[k][term] for term in terms]
-        return np.concatenate(found) if found else np.zeros(0, int)
+        """Return the columns of a joint's gain and of terms."""
+        return np.concatenate([self.at[k][term] for term in (GAIN, *terms)])
 
     def shared_index(self, k: int, shared: Sequence[Term]) -> tuple[Array, Array]:
         """Return the columns of shared terms in a joint, and their places in theta."""
@@ -204,7 +207,7 @@ class Gram:
         """Return the number of coefficients of a term."""
         if term == CALIBRATION:
             return int(self.directions.shape[1]) + sum(map(len, self.zeros.values()))
-        return len(self.scales[term])
+        return 1 if term == GAIN else len(self.scales[term])
 
     def split(self, model: Iterable[Term]) -> tuple[list[tuple[Term, ...]], tuple[Term, ...]]:
         """Return a model's laws of each joint alone, and those that joints share."""
@@ -225,8 +228,10 @@ class Gram:
         A[:, np.arange(size), np.arange(size)] = 1.0
         for k, mine in enumerate(local):
             _, _, places, _, _, S, r = self._eliminated(k, mine, shared)
-            A[:, places[:, None], places] += S
-            b[:, places] += r
+            every = len(places) == size  # a view is faster than a copy of its elements
+            at, of = (slice(None), slice(None)) if every else (places[:, None], places)
+            A[:, at, of] += S
+            b[:, of] += r
         both = np.linalg.solve(A, b[:, :, None])[:, :, 0]
         inner = []
         for k, mine in enumerate(local):
@@ -246,20 +251,21 @@ class Gram:
             index = np.concatenate([ins, outs])
             T = np.concatenate([inner[k], both[:, places]], axis=1)
             left_out[:, k], fitted[:, k] = self.errors(k, index, T)
-            theta.update(_divided(
-                mine, [len(self.scales[one]) for one in mine], inner[k][-1]))
-        widths = [self.width(term) for term in shared]
-        theta.update(_divided(shared, widths, both[-1]))
+            theta.update(self._divided(mine, inner[k][-1][1:]))
+        theta.update(self._divided(shared, both[-1]))
         covariance = np.linalg.inv(A)
-        known = float(np.sum(1.0 - np.diag(covariance)[widths[0]:]))
+        known = float(np.sum(1.0 - np.diag(covariance)[self.width(CALIBRATION):]))
         calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
-        zeros = _divided(list(self.zeros), [len(std) for std in self.zeros.values()],
-                         calibration[moved:])
+        gains = np.array([one[-1][0] for one in inner])
+        zeros = {term: self.zeros[term] * one for term, one in self._divided(
+            list(self.zeros), calibration[moved:]).items()}
+        zeros.update({Term('force_gain', j): np.array([GAIN_KNOWN * gain])
+                      for j, gain in zip(self.joints, gains)})
         return Fitted(
             {term: self.scales[term] * one for term, one in theta.items()},
-            self.directions @ calibration[:moved],
-            {term: self.zeros[term] * one for term, one in zeros.items()}, left_out, fitted,
-            shared, np.asarray(covariance), known, 0.5 * float(calibration @ calibration))
+            self.directions @ calibration[:moved], zeros, left_out, fitted,
+            shared, np.asarray(covariance), known,
+            0.5 * float(calibration @ calibration + gains @ gains))
 
     def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
         """Return the covariance of the coefficients of each law of a model."""
@@ -277,7 +283,7 @@ class Gram:
             G = self.G_fit[k][-1][np.ix_(inner, inner)]
             own = np.asarray(np.linalg.inv(self.weights[k] * G + np.eye(len(inner))))
             own = own + U[-1] @ whole[np.ix_(places, places)] @ U[-1].T
-            first = 0
+            first = 1
             for term in mine:
                 last = first + self.width(term)
                 found[term], first = own[first:last, first:last], last
@@ -303,6 +309,10 @@ class Gram:
         self._known.clear()
         return np.array(found)
 
+    def _divided(self, terms: Sequence[Term], theta: Array) -> dict[Term, Array]:
+        parts = np.split(theta, np.cumsum([self.width(term) for term in terms])[:-1])
+        return dict(zip(terms, parts))
+
     def errors(self, k: int, index: Array, T: Array) -> tuple[Array, Array]:
         """Return the mean square of each block, as left out and as fitted; T (B + 1, K)."""
         G, c = self.G[k][:, index[:, None], index], self.c[k][:, index]
@@ -318,10 +328,4 @@ def of_blocks(T: Array) -> tuple[Array, Array]:
 
 def remainder(G: Array, c: Array, s: Array, theta: Array) -> Array:
     """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (B, K)."""
-    return np.asarray(s - 2.0 * np.einsum('bp,bp->b', theta, c)
-                      + np.einsum('bp,bpq,bq->b', theta, G, theta))
-
-
-def _divided(terms: Sequence[Term], widths: Sequence[int], theta: Array) -> dict[Term, Array]:
-    parts = np.split(theta, np.cumsum(widths)[:-1]) if terms else []
-    return dict(zip(terms, parts))
+    return np.asarray(s + (theta * ((G @ theta[:, :, None])[:, :, 0] - 2.0 * c)).sum(axis=1))

@@ -10,8 +10,8 @@ from typing import Any
 
 from .arm_recording import Array
 from .channels import Channels, Term
-from .checks import ArmCheck
 from .gram import Fitted
+from ..checks.check import Check
 from ..fit.beam import Compared
 from ..result import Diagnosis, Value
 
@@ -101,7 +101,7 @@ class ArmDiagnosis:
     effects: list[ArmEffect]  # what lacks; friction, which every joint has, last
     joints: list[JointResult]  # those with torques
     left_out: dict[str, str]  # joints without, and why
-    checks: list[ArmCheck]  # for wrong use
+    checks: list[Check]  # for wrong use
     holdouts: list[HeldOutArm] = field(default_factory=list)  # recordings that were not fitted
     next_experiment: str = ''  # recommendation; '' if none
     channels: Channels | None = None  # what was fitted; None if refused
@@ -117,7 +117,7 @@ class ArmDiagnosis:
     @property
     def refused(self) -> bool:
         """Whether something must be put right before anything can be diagnosed."""
-        return any(one.fatal and not one.ok for one in self.checks)
+        return any(one.fatal for one in self.checks)
 
     def predicted(self, piece: Any, j: int, zeros: bool = True) -> Array:
         """Return what the corrected model adds to RNEA in joint j along a piece, shape (M,)."""

@@ -253,6 +253,10 @@ class ArmModels:
                 likely = sorted((other for other in others if scores[other] > best - _NEAR),
                                 key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
+        for term in self._shared:  # what several joints have alike may be the arm's
+            alike = {one for one in model if one.place is not None and term.place is None
+                     and JOINT_EFFECTS[one.effect].name == term.effect}
+            near += [self._refined(model - alike | {term})] if alike else []
         for term in sorted(model & self._shared_laws):
             instead = [*self._shared, *self._local.get(term.place, ())]
             near += [model - {term} | {other}
@@ -299,7 +303,7 @@ class _JointJudge:
         T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[:, :, 0]
         scales = np.concatenate([gram.scales[term] for term in terms])
         widths = [len(gram.scales[term]) for term in terms]
-        values = np.split(scales * T[-1], np.cumsum(widths)[:-1])
+        values = np.split(scales * T[-1, 1:], np.cumsum(widths)[:-1])
         if not all(JOINT_EFFECTS[term.effect].possible(one) for term, one in zip(terms, values)):
             return -np.inf
         G = gram.G[k][:, index[:, None], index]
@@ -309,7 +313,7 @@ class _JointJudge:
         expected = c.left_out * left_out + (1.0 - c.left_out) * fitted
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
         likelihood = -0.5 * gram.counts[:, k] * np.log(beyond / gram.floor[k] + 1.0)
-        return float(likelihood.sum()) - sum(
+        return float(likelihood.sum() - 0.5 * T[-1, 0] ** 2) - sum(
             c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
             for term, width in zip(terms, widths) if term not in self._space.zeros)
 

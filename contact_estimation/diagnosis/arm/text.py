@@ -29,8 +29,7 @@ _PLAIN = ('coulomb_friction', 'viscous_friction')
 def headline(d: ArmDiagnosis) -> str:
     """Return the verdict as one plain sentence, without a full stop."""
     if d.refused:
-        wrong = ' and '.join(one.name.replace('_', ' ') for one in d.checks
-                             if one.fatal and not one.ok)
+        wrong = ' and '.join(one.name.replace('_', ' ') for one in d.checks if one.fatal)
         return f'Fix this first: {wrong}'
     names = ', '.join(dict.fromkeys(_named(d)))
     bad = ', '.join(one.name for one in d.joints if one.verdict == 'unexplained')
