@@ -20,6 +20,7 @@ Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
+_TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -57,6 +58,13 @@ class Segment:
         (xx, xf), (_, ff) = (both @ both.T).tolist()
         return len(self._x), float(mean[1, 0]), xx, xf, ff
 
+    @property
+    def grows(self) -> bool:
+        """Return whether the force grows significantly with the position."""
+        count, _, xx, xf, ff = self.moments
+        explained = xf * xf / xx if xf > 0.0 < xx else 0.0
+        return explained * (count - 2) > SLOPE_STD * SLOPE_STD * (ff - explained)
+
 
 class ContactFilter:
     """
@@ -81,7 +89,8 @@ class ContactFilter:
         self.level = self.level_variance = self._up = self._down = 0.0
         self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
-        self._segment = Segment()
+        self._segment, self._rise = Segment(), Segment()
+        self._stepped = 0.0, 0.0  # the level if it has stepped, and its variance
         self._colour = Colour()
 
     def expect_noise(self, least: float) -> None:
@@ -158,9 +167,14 @@ class ContactFilter:
             self._colour.learn(force[done:done + count], white if white > self._least else 0.0)
             done += count
         if self.state != before:
-            self._up = self._down = 0.0
-            self._segment.clear()
+            self._begin_state()
         return done
+
+    def _begin_state(self) -> None:
+        """Forget what tests have collected; a level that steps does so by as much as a force."""
+        self._up = self._down = 0.0
+        self._segment.clear()
+        self._stepped = self.level, (self._noise[1] - self.level) ** 2
 
     def _judge(self, dt: Floats, force: Floats, x: Floats, places: Floats) -> int:
         """Judge samples, up to and with the one that changes the state."""
@@ -213,7 +227,7 @@ class ContactFilter:
                 self.state = NEITHER
                 break
             if (self.follows_level and up < 0.25 * TOUCH and down < 0.5 * TOUCH
-                    and place < 0.5):
+                    and place < _TEACHES):
                 level_variance += walk * variance * dt
                 gain = level_variance / (level_variance + variance)
                 most = 3.0 * deviation
@@ -256,6 +270,7 @@ class ContactFilter:
     def _in_neither(
         self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
     ) -> int:
+        """Judge samples by the level as known, and by one that has stepped to the force since."""
         count, segment = 0, self._segment
         for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
             count += 1
@@ -265,11 +280,34 @@ class ContactFilter:
             segment.add(segment.seconds + dt, (x,), (force,))
             if self._down > RELEASE:
                 self.state = FREE
+            elif self._touches_from_stepped(force, x, variance, place) and not self._down:
+                self.state = CONTACT
             elif segment.count % 10 == 0:
                 self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
         return count
+
+    def _touches_from_stepped(
+        self, force: float, x: float, variance: float, place: float
+    ) -> bool:
+        """Learn the level that has stepped; return whether a wall is touched from it."""
+        (level, doubt), rise = self._stepped, self._rise
+        if not self._up:
+            self.onset = x
+            rise.clear()
+        rise.add(0.0, (x,), (force,))
+        z = (force - level) / sqrt(variance + doubt)
+        z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+        self._up = max(self._up + z - SHIFT, 0.0)
+        if self._up < 0.25 * TOUCH:
+            gain = doubt / (doubt + variance)
+            level, doubt = level + gain * z * sqrt(variance + doubt), doubt * (1.0 - gain)
+        self._stepped = level, doubt
+        if self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
+            return False
+        self.set_level(level, doubt)
+        return True
 
     def _judge_again(self, z: float, variance: float, place: float) -> None:
         """Decide whether what is neither is a wall after all, or the level."""
@@ -279,11 +317,12 @@ class ContactFilter:
         if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * variance):
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
-            if self._is_level(variance) or ff < SLOPE_STD * count * variance and place < -1.0:
+            if self._is_level(variance) or (
+                    ff < SLOPE_STD * count * variance and place < _TEACHES):
                 self.set_level(mean, variance / count)
                 self.state = FREE
             elif segment.seconds > 2.0 * SEGMENT_S:
-                segment.clear()
+                self._begin_state()
 
     def _is_level(self, noise: float) -> bool:
         """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
