@@ -42,6 +42,9 @@ SEGMENT_S = 0.3
 SLOPE_STD = 4.0
 """Standard deviations for which a slope is significant: 6e-5."""
 
+UNLIKELY = 6e-5
+"""Probability of a hypothesis that counts: more than a normal distribution has beyond SLOPE_STD."""
+
 # -- surface ------------------------------------------------------------------------------------
 ANYWHERE_M = 0.1
 """Standard deviation of a surface that nothing is known of [m]: the reach of one contact."""

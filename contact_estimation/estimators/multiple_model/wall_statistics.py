@@ -26,8 +26,10 @@ _FARTHEST = 20.0  # log odds of a law of the wall before a change
 
 
 class Replaced(NamedTuple):
-    """The wall before the first change since a touch: the attributes of its statistics."""
+    """The wall before a change: the attributes of its statistics."""
 
+    other: bool  # whether the wall is another since, not the zero of the sensor
+    x0: float
     gram: Array
     odds: Array
     surfaces: list[tuple[float, float, float]]
@@ -48,7 +50,6 @@ class WallStatistics:
     surfaces: where the surface may be: place, its standard deviation [m], probability
     x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
     scale, seconds: K_e [N/m] and B_e / K_e [s] for the priors
-    replaced: the wall before the first change since a touch; None without one
     """
 
     def __init__(self, location: float, std: float) -> None:
@@ -60,7 +61,6 @@ class WallStatistics:
         self.x0 = location if location == location else 0.0
         self.depth, self.scatter, self._depth_s = 1e-3, 0.0, 0.0
         self.scale, self.seconds = 1e3, DAMPING_S
-        self.replaced: Replaced | None = None
 
     def look_near(self, surface: float, std: float) -> None:
         """Expect the surface at a place [m]."""
@@ -93,9 +93,6 @@ class WallStatistics:
         self.gram = table @ self.gram @ table.T
         self.moving.move(table)
         self.runs.move(table)
-        if self.replaced is not None:
-            gram = table @ self.replaced.gram @ table.T
-            self.replaced = self.replaced._replace(gram=gram)
         self.x0 += delta
         self.depth = max(self.depth - delta, 1e-5)
         return self.depth
@@ -134,20 +131,18 @@ class WallStatistics:
 
     # -- changes ----------------------------------------------------------------------------
 
-    def commit(self, change: Change, best: int, scene: Scene, gap: float) -> bool:
+    def commit(self, change: Change, best: int, scene: Scene, gap: float) -> Replaced:
         """
-        Drop the wall before a change; what was told of laws and motion stays a prior.
+        Drop the wall before a change and return it; its laws and motion stay a prior.
 
         gap: log odds of a moving wall, at most 0
-        Returns other: whether the wall is another, not the zero of the sensor
         """
         centre, std = float(change.centre[best]), float(change.std[best])
-        other = not change.shifted[best]
+        other = not bool(change.shifted[best])
         gram = self.runs.commit(int(change.run[best]))
         before = self.gram - gram
-        if self.replaced is None:
-            self.replaced = Replaced(before, self.odds, self.surfaces, self.scale, self.seconds,
-                                     self.depth, centre - OUTSIDE * std)
+        replaced = Replaced(other, self.x0, before, self.odds, self.surfaces, self.scale,
+                            self.seconds, self.depth, centre - OUTSIDE * std)
         if other:
             surface = self.surfaces[change.place[best]]
             evidence = judge(np.repeat(before[None], len(NAMES), axis=0), scene, hypotheses(
@@ -163,11 +158,11 @@ class WallStatistics:
         self.surfaces = [(centre, std, STILL_THERE), (centre, max(self.depth, std), ELSEWHERE)]
         if self._told == self._told:
             self.surfaces.append((self._told, EXACT_SURFACE_M, 1.0 - STILL_THERE))
-        return other
+        return replaced
 
     def put_back(self, before: Replaced) -> None:
         """Put the wall before a change back, since what has changed was the zero."""
-        (self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth, _) = before
-        self.replaced = None
+        (_, self.x0, self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth,
+         _) = before
         self.runs.clear()
         self.moving.restart(self.gram, float(self.odds[:MOVING].max()))
