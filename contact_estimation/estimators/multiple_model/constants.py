@@ -43,7 +43,7 @@ SLOPE_STD = 4.0
 """Standard deviations for which a slope is significant: 6e-5."""
 
 UNLIKELY = 6e-5
-"""Probability of a hypothesis that counts: more than a normal distribution has beyond SLOPE_STD."""
+"""Probability of a hypothesis that counts: what a normal distribution has beyond SLOPE_STD."""
 
 # -- surface ------------------------------------------------------------------------------------
 ANYWHERE_M = 0.1
@@ -69,6 +69,10 @@ NEW_WALL = 0.05
 CHANGES, OBSERVED_S = 1.0, 50.0
 """Prior of the rate of changes within a contact, as if so many had been seen in that time;
 those that happen are counted too (gamma prior of a Poisson rate)."""
+
+ZERO_STEPS, ZERO_STEP_N = 0.25, 3.0
+"""Steps of the sensor's zero within a contact for each change of the wall, and their standard
+deviation [N]: a cable that pulls, an estimate of joint torques that drifts."""
 
 COMMIT = 4.0
 """Log odds of a change from which what was before is dropped: 50 to 1."""

@@ -253,7 +253,7 @@ class ContactFilter:
             if down > RELEASE:
                 self.state = NEITHER if z < -SLOPE_STD else FREE
                 break
-            if up > 4.0 * TOUCH:  # a force remains where no wall is
+            if up > 2.0 * TOUCH:  # a force remains where no wall is
                 self.state = NEITHER
                 break
             if seconds > SEGMENT_S:

@@ -15,7 +15,7 @@ from .blocks import Blocks
 from .constants import ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, SHIFT, STIFFNESS_FLOOR
 from .contact import CONTACT, ContactFilter
 from .evidence import (
-    Hypotheses, hypotheses, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
+    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
     ACCELERATION, Array, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
@@ -104,7 +104,7 @@ class WallInference:
         x, onset: where the contact was noticed, and where the force may have begun [m]
         """
         self.rhythm.touch()
-        self._level, self._replaced = self._contact.level, []
+        self._level, self._replaced, self._sums.same = self._contact.level, [], None
         known = self.known
         noise = self._blocks.noise[0]
         error = EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
@@ -260,13 +260,15 @@ class WallInference:
         top = int(np.argmax(odds))
         self.residuals.best = what.law[top:top + 1], judged.theta[top], scene
         yield
-        self._report_knowledge(weights, judged, what, change, law, scene)
+        of_same = None if sums.same is None else sums.judge_same(
+            scene, float(odds[~moves].max()))
+        self._report_knowledge(weights, judged, what, change, law, scene, of_same)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
         if change is not None and certain >= 0:
             yield
-            self._note_change(sums.commit(change, certain, scene, min(gap, 0.0)))
+            self._note_change(sums.commit(change, certain, law, scene, min(gap, 0.0)))
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface()
@@ -288,7 +290,7 @@ class WallInference:
 
     def _report_knowledge(
         self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
-        law: int, scene: Scene,
+        law: int, scene: Scene, of_same: tuple[float, Judged, int] | None,
     ) -> None:
         """Publish the mixture of all hypotheses."""
         of_law = weights.reshape(_LAWS, -1).sum(1)
@@ -297,8 +299,11 @@ class WallInference:
             changed = np.append(change.odds, 0.0)
             share = np.exp(changed - np.logaddexp.reduce(changed))[:-1] * (1.0 - of_law[MOVING])
             since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
-            found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
-            weights = np.concatenate([weights * (1.0 - share.sum()), share])
+            weights, found = joined(weights, found, share, since)
+        if of_same is not None:
+            same, kept, law = of_same
+            weights, found = joined(weights, found, np.array([same]), walls(
+                kept, np.array([law]), scene, ANYWHERE_M))
         (K, B, delta), spreads = mixture(weights, found)
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
