@@ -247,7 +247,7 @@ class ContactFilter:
             count += 1
             z = (force - level) / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-            down, up = down + SHIFT - z, up - place + 0.5 * _FAR_OUTSIDE
+            down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if z > _PRESSES else 0.0)
             down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
             seconds += dt
             if down > RELEASE:
