@@ -59,6 +59,9 @@ NEAR_DEPTH = 0.3
 """Standard deviation of a shift of the surface that (y - delta)^n = y^n - n delta y^(n-1) is used
 for [mean depths]: the next term is (n - 1) / 2 delta / y of it, a tenth."""
 
+LEAST_STIFFNESS, STIFFEST = 30.0, 1e6
+"""Of a wall that is not known [N/m]: from foam to steel on a robot."""
+
 STILL_THERE = 0.7
 """Prior of the same surface after the wall has changed."""
 

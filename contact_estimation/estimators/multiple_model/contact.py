@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from .colour import Colour, SECOND
 from .constants import (
     ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
-    SLOPE_STD, TOUCH)
+    SLOPE_STD, STIFFEST, TOUCH)
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
+_FEW = 10  # samples, of which less are no level
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -46,6 +47,11 @@ class Segment:
     def count(self) -> int:
         """Return the number of samples."""
         return len(self._x)
+
+    @property
+    def begin(self) -> float:
+        """Return the first position [m]."""
+        return self._x[0]
 
     @property
     def moments(self) -> tuple[int, float, float, float, float]:
@@ -221,7 +227,8 @@ class ContactFilter:
             up, down = up + z - SHIFT, down - z - SHIFT
             up, down = up if up > 0.0 else 0.0, down if down > 0.0 else 0.0
             if up > TOUCH - place and pressing > self.minimum_force:
-                self.state = NEITHER if place <= _FAR_OUTSIDE else CONTACT
+                still = place <= 0.0 and (x - onset) * STIFFEST < pressing
+                self.state = NEITHER if still or place <= _FAR_OUTSIDE else CONTACT
                 break
             if down > TOUCH + (place if place > 0.0 else 0.0):
                 self.state = NEITHER
@@ -282,7 +289,7 @@ class ContactFilter:
                 self.state = FREE
             elif self._touches_from_stepped(force, x, variance, place) and not self._down:
                 self.state = CONTACT
-            elif segment.count % 10 == 0:
+            elif segment.count % _FEW == 0:
                 self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
@@ -294,7 +301,6 @@ class ContactFilter:
         """Learn the level that has stepped; return whether a wall is touched from it."""
         (level, doubt), rise = self._stepped, self._rise
         if not self._up:
-            self.onset = x
             rise.clear()
         rise.add(0.0, (x,), (force,))
         z = (force - level) / sqrt(variance + doubt)
@@ -303,10 +309,12 @@ class ContactFilter:
         if self._up < 0.25 * TOUCH:
             gain = doubt / (doubt + variance)
             level, doubt = level + gain * z * sqrt(variance + doubt), doubt * (1.0 - gain)
-        self._stepped = level, doubt
+            self._stepped = level, doubt
         if self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
             return False
-        self.set_level(level, doubt)
+        if doubt < variance / _FEW:  # else it was no level before it rose
+            self.set_level(level, doubt)
+            self.onset = rise.begin
         return True
 
     def _judge_again(self, z: float, variance: float, place: float) -> None:
@@ -327,7 +335,7 @@ class ContactFilter:
     def _is_level(self, noise: float) -> bool:
         """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
         count, mean, xx, xf, ff = self._segment.moments
-        if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * noise:
+        if count < _FEW or xx <= 0.0 or ff > SLOPE_STD * count * noise:
             return False
         deviation = sqrt(max(noise, ff / count) / xx)
         if abs(xf / xx) + SLOPE_STD * deviation > abs(mean - self.level) / ANYWHERE_M:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import Blocks
-from .constants import ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, SHIFT, STIFFNESS_FLOOR
+from .constants import (
+    ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, LEAST_STIFFNESS, SHIFT, STIFFNESS_FLOOR)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
@@ -22,7 +23,7 @@ from .residuals import Residuals
 from .runs import Change, decided, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
-from .wall_statistics import LEAST_STIFFNESS, Replaced, WallStatistics
+from .wall_statistics import Replaced, WallStatistics
 
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it

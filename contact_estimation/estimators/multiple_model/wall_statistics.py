@@ -11,16 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from .constants import (
-    ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, NEAR, STILL_THERE,
-    UNLIKELY)
+    ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, LEAST_STIFFNESS,
+    NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
     Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, NAMES, RATE, shifted_table)
 from .runs import Change, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
-LEAST_STIFFNESS, _STIFFEST = 30.0, 1e6  # of a wall that is not known [N/m]
-_SCALES: Array = np.geomspace(LEAST_STIFFNESS, _STIFFEST, 16)
+_SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RECENT_S = 0.5  # of the last data, at least
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
