@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 
 from .colour import Colour, SECOND
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
-    SLOPE_STD, STIFFEST, TOUCH)
+    ANYWHERE_M, CLIP, CLIPPED_SQUARE, DAMPING_S, DAMPING_STD_S, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
+    SEGMENT_S, SHIFT, SLOPE_STD, STIFFEST, TOUCH, ZERO_STEP_N)
 
 Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
+_LOOK_S = 0.06  # between looks at whether a touch was one
+_TIMES = np.linspace(0.0, DAMPING_S + 2.0 * DAMPING_STD_S, 8)[:, None]  # B_e / K_e [s]
 _FEW = 10  # samples, of which less are no level
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
@@ -44,6 +46,11 @@ class Segment:
         self._f.extend(f)
 
     @property
+    def samples(self) -> NDArray[np.float64]:
+        """Return positions and forces, shape (2, N)."""
+        return np.array([self._x, self._f])
+
+    @property
     def count(self) -> int:
         """Return the number of samples."""
         return len(self._x)
@@ -58,7 +65,7 @@ class Segment:
         """Return count, mean force, and the centred sums of x^2, x f and f^2."""
         if not self._x:
             return 0, 0.0, 0.0, 0.0, 0.0
-        both = np.array([self._x, self._f])
+        both = self.samples
         mean = both.mean(axis=1, keepdims=True)
         both -= mean
         (xx, xf), (_, ff) = (both @ both.T).tolist()
@@ -97,6 +104,7 @@ class ContactFilter:
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment, self._rise = Segment(), Segment()
         self._stepped = 0.0, 0.0  # the level if it has stepped, and its variance
+        self._look_s = SEGMENT_S  # when a force is compared with the travel
         self._colour = Colour()
 
     def expect_noise(self, least: float) -> None:
@@ -229,6 +237,7 @@ class ContactFilter:
             if up > TOUCH - place and pressing > self.minimum_force:
                 still = place <= 0.0 and (x - onset) * STIFFEST < pressing
                 self.state = NEITHER if still or place <= _FAR_OUTSIDE else CONTACT
+                self._look_s = _LOOK_S if place <= 0.0 else SEGMENT_S
                 break
             if down > TOUCH + (place if place > 0.0 else 0.0):
                 self.state = NEITHER
@@ -263,13 +272,17 @@ class ContactFilter:
             if up > 2.0 * TOUCH:  # a force remains where no wall is
                 self.state = NEITHER
                 break
-            if seconds > SEGMENT_S:
+            if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
-                seconds, kept = 0.0, count
-                if self._is_level(variance):
+                kept = count
+                if self._is_level(variance) or self._look_s < SEGMENT_S and (
+                        self._stays_level(variance)):
                     self.state = FREE
                     break
-                segment.clear()
+                self._look_s = min(self._look_s + _LOOK_S, SEGMENT_S)
+                if seconds > SEGMENT_S:
+                    seconds, self._look_s = 0.0, SEGMENT_S
+                    segment.clear()
         segment.add(seconds, xs[kept:count], forces[kept:count])
         self._up, self._down = up, down
         return count
@@ -287,7 +300,7 @@ class ContactFilter:
             segment.add(segment.seconds + dt, (x,), (force,))
             if self._down > RELEASE:
                 self.state = FREE
-            elif self._touches_from_stepped(force, x, variance, place) and not self._down:
+            elif self._touches_from_stepped(force, x, variance, place):
                 self.state = CONTACT
             elif segment.count % _FEW == 0:
                 self._judge_again(z, variance, place)
@@ -310,7 +323,7 @@ class ContactFilter:
             gain = doubt / (doubt + variance)
             level, doubt = level + gain * z * sqrt(variance + doubt), doubt * (1.0 - gain)
             self._stepped = level, doubt
-        if self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
+        if self._down or self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
             return False
         if doubt < variance / _FEW:  # else it was no level before it rose
             self.set_level(level, doubt)
@@ -339,6 +352,23 @@ class ContactFilter:
             return False
         deviation = sqrt(max(noise, ff / count) / xx)
         if abs(xf / xx) + SLOPE_STD * deviation > abs(mean - self.level) / ANYWHERE_M:
+            return False
+        self.set_level(mean, noise / count)
+        return True
+
+    def _stays_level(self, noise: float) -> bool:
+        """Use the force as level where it stays so, and no wall from the onset would leave it."""
+        x, force, seconds = *self._segment.samples, self._segment.seconds
+        count, mean, xx, xf, ff = self._segment.moments
+        if (count < 3 * _FEW or abs(mean - self.level) > SLOPE_STD * ZERO_STEP_N
+                or ff > SLOPE_STD * count * noise or xf * xf > SLOPE_STD**2 * noise * xx):
+            return False
+        half = _FEW // 2
+        rate = (x[2 * half:] - x[:-2 * half]) / (2 * half * seconds / count)
+        wall = x[half:-half] - self.onset + _TIMES * rate  # force over K_e
+        pressed = force[half:-half] - self.level
+        left = float(pressed @ pressed) - np.square(wall @ pressed) / np.square(wall).sum(1)
+        if left.min() - ff < 4.0 * SHIFT * TOUCH * noise:
             return False
         self.set_level(mean, noise / count)
         return True
