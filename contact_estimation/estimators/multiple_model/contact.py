@@ -6,77 +6,22 @@
 from __future__ import annotations
 
 from math import exp, nan, sqrt
-from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .colour import Colour, SECOND
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, DAMPING_S, DAMPING_STD_S, LEVEL_WALK, NOISE_SAMPLES, RELEASE,
-    SEGMENT_S, SHIFT, SLOPE_STD, STIFFEST, TOUCH, ZERO_STEP_N)
+    CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT, SLOPE_STD,
+    STIFFEST, TOUCH)
+from .segment import FEW, Floats, Segment
 
-Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
 _LOOK_S = 0.06  # between looks at whether a touch was one
-_TIMES = np.linspace(0.0, DAMPING_S + 2.0 * DAMPING_STD_S, 8)[:, None]  # B_e / K_e [s]
-_FEW = 10  # samples, of which less are no level
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
-
-
-class Segment:
-    """Sums of position and force, for the line of one over the other."""
-
-    def __init__(self) -> None:
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget all samples."""
-        self.seconds = 0.0
-        self._x: list[float] = []
-        self._f: list[float] = []
-
-    def add(self, seconds: float, x: Floats, f: Floats) -> None:
-        """Add samples, after which so much time has passed [s]."""
-        self.seconds = seconds
-        self._x.extend(x)
-        self._f.extend(f)
-
-    @property
-    def samples(self) -> NDArray[np.float64]:
-        """Return positions and forces, shape (2, N)."""
-        return np.array([self._x, self._f])
-
-    @property
-    def count(self) -> int:
-        """Return the number of samples."""
-        return len(self._x)
-
-    @property
-    def begin(self) -> float:
-        """Return the first position [m]."""
-        return self._x[0]
-
-    @property
-    def moments(self) -> tuple[int, float, float, float, float]:
-        """Return count, mean force, and the centred sums of x^2, x f and f^2."""
-        if not self._x:
-            return 0, 0.0, 0.0, 0.0, 0.0
-        both = self.samples
-        mean = both.mean(axis=1, keepdims=True)
-        both -= mean
-        (xx, xf), (_, ff) = (both @ both.T).tolist()
-        return len(self._x), float(mean[1, 0]), xx, xf, ff
-
-    @property
-    def grows(self) -> bool:
-        """Return whether the force grows significantly with the position."""
-        count, _, xx, xf, ff = self.moments
-        explained = xf * xf / xx if xf > 0.0 < xx else 0.0
-        return explained * (count - 2) > SLOPE_STD * SLOPE_STD * (ff - explained)
 
 
 class ContactFilter:
@@ -275,8 +220,9 @@ class ContactFilter:
             if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
                 kept = count
-                if self._is_level(variance) or self._look_s < SEGMENT_S and (
-                        self._stays_level(variance)):
+                if segment.excludes_wall_near(variance, level) or self._look_s < SEGMENT_S and (
+                        segment.excludes_wall_from(self.onset, variance, level)):
+                    self.set_level(*segment.mean(variance))
                     self.state = FREE
                     break
                 self._look_s = min(self._look_s + _LOOK_S, SEGMENT_S)
@@ -302,7 +248,7 @@ class ContactFilter:
                 self.state = FREE
             elif self._touches_from_stepped(force, x, variance, place):
                 self.state = CONTACT
-            elif segment.count % _FEW == 0:
+            elif segment.count % FEW == 0:
                 self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
@@ -325,7 +271,7 @@ class ContactFilter:
             self._stepped = level, doubt
         if self._down or self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
             return False
-        if doubt < variance / _FEW:  # else it was no level before it rose
+        if doubt < variance / FEW:  # else it was no level before it rose
             self.set_level(level, doubt)
             self.onset = rise.begin
         return True
@@ -333,45 +279,15 @@ class ContactFilter:
     def _judge_again(self, z: float, variance: float, place: float) -> None:
         """Decide whether what is neither is a wall after all, or the level."""
         segment = self._segment
-        count, mean, xx, xf, ff = segment.moments
-        explained = xf * xf / xx if xf > 0.0 < xx else 0.0
-        if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * variance):
+        if z > SLOPE_STD and segment.is_line(CLIP * CLIP * variance):
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
-            if self._is_level(variance) or (
-                    ff < SLOPE_STD * count * variance and place < _TEACHES):
-                self.set_level(mean, variance / count)
+            if segment.excludes_wall_near(variance, self.level) or (
+                    place < _TEACHES and segment.stays(variance)):
+                self.set_level(*segment.mean(variance))
                 self.state = FREE
             elif segment.seconds > 2.0 * SEGMENT_S:
                 self._begin_state()
-
-    def _is_level(self, noise: float) -> bool:
-        """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
-        count, mean, xx, xf, ff = self._segment.moments
-        if count < _FEW or xx <= 0.0 or ff > SLOPE_STD * count * noise:
-            return False
-        deviation = sqrt(max(noise, ff / count) / xx)
-        if abs(xf / xx) + SLOPE_STD * deviation > abs(mean - self.level) / ANYWHERE_M:
-            return False
-        self.set_level(mean, noise / count)
-        return True
-
-    def _stays_level(self, noise: float) -> bool:
-        """Use the force as level where it stays so, and no wall from the onset would leave it."""
-        x, force, seconds = *self._segment.samples, self._segment.seconds
-        count, mean, xx, xf, ff = self._segment.moments
-        if (count < 3 * _FEW or abs(mean - self.level) > SLOPE_STD * ZERO_STEP_N
-                or ff > SLOPE_STD * count * noise or xf * xf > SLOPE_STD**2 * noise * xx):
-            return False
-        half = _FEW // 2
-        rate = (x[2 * half:] - x[:-2 * half]) / (2 * half * seconds / count)
-        wall = x[half:-half] - self.onset + _TIMES * rate  # force over K_e
-        pressed = force[half:-half] - self.level
-        left = float(pressed @ pressed) - np.square(wall @ pressed) / np.square(wall).sum(1)
-        if left.min() - ff < 4.0 * SHIFT * TOUCH * noise:
-            return False
-        self.set_level(mean, noise / count)
-        return True
 
 
 _FAR_INSIDE, _FAR_OUTSIDE = 4.0, -8.0  # log odds of contact at a place in the wall, and far off
