@@ -74,6 +74,12 @@ def test_relative_links_lead_to_files() -> None:
         assert missing == [], page
 
 
+def test_pages_name_tests_that_exist() -> None:
+    for page in PAGES:
+        named = re.findall(r'test/\w+\.py', page.read_text())
+        assert [one for one in named if not (ROOT / one).exists()] == [], page
+
+
 def test_python_interface_page_has_every_public_name() -> None:
     for name in ce.__all__:
         assert re.search(rf'^(\.\. .*:: )?\s*{name}$', (DOC / 'api.md').read_text(), re.M), name

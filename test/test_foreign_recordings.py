@@ -15,7 +15,7 @@ import contact_estimation as ce
 from contact_estimation.diagnosis.fit.surfaces import Surfaces, surfaces_of
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.parts import continuous_parts
-from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.observe.signals import read_recording, Recording, Signals
 from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
 from contact_estimation.kinematics.description import read_description
@@ -116,6 +116,23 @@ def test_other_types_are_named_with_what_they_hold(
 ) -> None:
     with pytest.raises(ce.ContactEstimationError, match=text):
         ce.read_table(bag(tmp_path / 'a.mcap', kind, wrench), **options)
+
+
+@pytest.mark.parametrize('frame_id, first, left_out', [('', 0, 60), ('b', 1, 60), ('c', 0, 120)])
+def test_wrenches_of_another_frame_are_left_out_and_told(
+    tmp_path: Path, frame_id: str, first: int, left_out: int
+) -> None:
+    def wrench(k: int, time_ns: int) -> bytes:
+        return WrenchEncoder('ab'[k % 2]).encode(time_ns, k, 0.0, 0.0)
+
+    path = bag(tmp_path / 'a.mcap', WRENCH, wrench, count=120)
+    if left_out == 120:
+        with pytest.raises(RecordingError, match="expected frame 'c', got 'b'; set frame_id"):
+            read_recording(path, parameters={'frame_id': frame_id})
+        return
+    recording = read_recording(path, parameters={'frame_id': frame_id})
+    assert recording.signals.force.tolist() == list(range(first, 120, 2))
+    assert recording.damage.startswith(f'{left_out} wrenches are not in the frame')
 
 
 @pytest.mark.parametrize('period_ns, cutoff', [(PERIOD_NS, 0.0), (1_250_000, 50.0)])

@@ -94,6 +94,32 @@ def test_mistake_is_the_headline_and_its_estimate_is_withheld() -> None:
         assert numbers.sub('#', last.reason) == numbers.sub('#', said), (name, text, options)
 
 
+def yielding(force: float, position: float) -> Change:
+    """Return the change to a wall that yields at 20 N and then by 1 kN/m, with signs."""
+    def change(sample: ContactSample) -> ContactSample:
+        seconds = sample.stamp_ns * 1e-9
+        x, rate = 4e-3 * (seconds - 3.0), 4e-3
+        pressed = min(4e4 * max(x, 0.0), 20.0 - 1e3 * (x - 5e-4))
+        return sample._replace(force=-force * pressed, position=position * x,
+                               velocity=position * rate)
+    return change
+
+
+@pytest.mark.parametrize('force, position, text', [
+    (1.0, 1.0, ''), (-1.0, 1.0, 'set force_sign to -1'),
+    (1.0, -1.0, 'presses with .* change the sign of the position'),
+    (-1.0, -1.0, 'is pulled with .* change the sign of the position and set force_sign to -1'),
+])
+def test_signs_of_a_wall_that_yields_are_told_by_its_touch(
+    force: float, position: float, text: str
+) -> None:
+    samples = [ContactSample(stamp, 0.0, 0.0, 0.0) for stamp in range(0, 7_000 * MILLISECOND,
+                                                                      2 * MILLISECOND)]
+    session, _ = fed(samples, yielding(force, position), environment__location=nan)
+    found = [warned.text for warned in session.checks.warnings() if warned.name == 'force_sign']
+    assert bool(found) == bool(text) and re.search(text, ''.join(found)), found
+
+
 @pytest.mark.parametrize('metres, side', [(0.4, 'inside'), (0.01, 'inside'), (-0.1, 'outside')])
 def test_a_wall_elsewhere_is_followed_and_told(metres: float, side: str) -> None:
     session, estimates = fed(change=at(metres))

@@ -11,6 +11,7 @@ import sys
 from typing import Iterator
 
 from contact_estimation.pipeline.checks.stream_checks import graph_warnings
+from contact_estimation.ros.recorder_node import recorded_topics
 import pytest
 import rclpy
 from ros_listener import DEEP_QOS
@@ -42,6 +43,16 @@ def test_a_second_publisher_is_told_while_it_is_there(
         'two publishers')
     peer.node.destroy_publisher(second)
     peer.diagnosed(lambda status, values: text not in str(values), 'one publisher')
+
+
+@pytest.mark.slow
+def test_whatever_the_estimator_publishes_is_recorded(peer: Peer) -> None:
+    published = {topic for topic, _ in peer.node.get_publisher_names_and_types_by_node(
+        'estimator_node', '/')}
+    assert '/estimator_node/stability' in published
+    follows = {f'/estimator_node/{name}' for name in ('compensated_wrench', 'target_pose')}
+    assert published - follows - {'/rosout'} <= {
+        f'/{topic.lstrip("/")}' for topic in recorded_topics('estimator_node')}
 
 
 @pytest.mark.slow

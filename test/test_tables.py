@@ -132,6 +132,14 @@ def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
     assert signals['wrench.force.x'].tolist() == [2.0, 3.0]
 
 
+def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n')
+    found = ce.read_table(tmp_path / 'a.csv', columns={
+        't': 'Clock', 'joint.x': '-Way', 'wrench.force.x': 'Push [N]'})
+    assert found['joint.x'].tolist() == [-1e-3, -2e-3]
+    assert found['wrench.force.x'].tolist() == [2.0, 3.0]
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])

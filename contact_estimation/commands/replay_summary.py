@@ -20,7 +20,7 @@ from ..figures import as_png, require_matplotlib
 from ..pipeline.estimate_files import EstimateTrace, plot_contact, signal_series, stamp_text
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.recorded_arm import read_contact_signals
-from ..pipeline.replay import RecordingReplay
+from ..pipeline.replay import no_usable_sample, RecordingReplay
 from ..pipeline.wall_law import ModelFitMonitor
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import Tare
@@ -90,7 +90,7 @@ def refuse_empty(
     if replayed.samples < LEAST_SAMPLES and (found := cause()):
         raise RecordingError(found)
     if not replayed.samples:
-        raise RecordingError(_no_sample(recording, replay))
+        raise no_usable_sample(recording, replay.session)
     if EstimateStatus.ESTIMATING not in replayed.statuses:
         raise RecordingError(_nothing_estimated(recording, replay, replayed))
 
@@ -129,21 +129,6 @@ def summary_of(
             name: value.tolist() if isinstance(value, np.ndarray) else value
             for name, value in session.matrix.last._asdict().items()}
     return summary
-
-
-def _no_sample(recording: str, replay: RecordingReplay) -> str:
-    session = replay.session
-    reasons = ', '.join(
-        f'{count} {reason}' + (f' ({session.rejection_texts[reason]})'
-                               if session.rejection_texts.get(reason) else '')
-        for reason, count in session.rejected.items())
-    remedy = 'check topics, joint and stamps'
-    if any(reason.endswith('_absurd') for reason in session.rejected):
-        remedy = ('values are out of range: give the units of the recording, such as '
-                  '--units mm,N, or raise synchronisation.maximum_*')
-    return (
-        f'no usable sample in {recording}: expected wrenches with joint states at or around '
-        f'their stamps, got {reasons or "none"}; {remedy}')
 
 
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:

@@ -22,9 +22,9 @@ from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.result import Diagnosis
 from ..estimators.estimate import Estimate, EstimateStatus
-from ..exceptions import ContactEstimationError, MissingPackageError, RecordingError
+from ..exceptions import ContactEstimationError, MissingPackageError
 from ..parameters import build, flatten
-from ..pipeline.replay import RecordingReplay
+from ..pipeline.replay import no_usable_sample, RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 from ..recordings.bag_folder import file_sha256
@@ -160,9 +160,7 @@ def replay_episodes(
     for estimates in replay.estimates():
         episodes.add(of_axes[0] for of_axes in estimates)
     if episodes.first_ns is None:
-        raise RecordingError(
-            f'no usable sample in {path}: expected wrenches with joint states at or around '
-            'their stamps, got none; check topics, joint and stamps')
+        raise no_usable_sample(path, replay.session)
     return episodes
 
 

@@ -138,7 +138,8 @@ def read_contact_signals(
     if parameters.kinematics.tip:
         signals = read_arm_signals(reader, source, parameters, most_samples)
     else:
-        signals = read_signals(reader, source, axis, joint, most_samples)
+        signals = read_signals(
+            reader, source, axis, joint, most_samples, parameters.frame_id)
         signals.wrench.values[:] *= parameters.force_sign
     if parameters.force_sensor.zero == TRACKED:
         wrench, motion = signals.wrench, signals.joint_states

@@ -22,7 +22,7 @@ from .recorded_arm import (
 from .session import ContactSession
 from ..estimators import ESTIMATORS
 from ..estimators.estimate import AxesEstimates
-from ..exceptions import MessageError, ParameterRangeError
+from ..exceptions import MessageError, ParameterRangeError, RecordingError
 from ..kinematics.parameters import JOINT_EFFORTS
 from ..parameters import build
 from ..recordings import RecordedMessage, RecordingReader
@@ -52,6 +52,21 @@ def _measured(
         except ParameterRangeError:
             continue
     return {}
+
+
+def no_usable_sample(recording: str, session: ContactSession) -> RecordingError:
+    """Return the error of a recording in which no wrench met a joint state, with the reasons."""
+    reasons = ', '.join(
+        f'{count} {reason}' + (f' ({session.rejection_texts[reason]})'
+                               if session.rejection_texts.get(reason) else '')
+        for reason, count in session.rejected.items())
+    remedy = 'check topics, joint and stamps'
+    if any(reason.endswith('_absurd') for reason in session.rejected):
+        remedy = ('values are out of range: give the units of the recording, such as '
+                  '--units mm,N, or raise synchronisation.maximum_*')
+    return RecordingError(
+        f'no usable sample in {recording}: expected wrenches with joint states at or around '
+        f'their stamps, got {reasons or "none"}; {remedy}')
 
 
 class RecordingReplay:

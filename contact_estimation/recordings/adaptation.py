@@ -100,8 +100,8 @@ def _wrench(kind: str, field: str | None, definition: str, received: bool, where
             wrench = _numbers(value)
         except (AttributeError, IndexError, TypeError, ValueError) as error:
             raise RecordingError(
-                f'--wrench-field {field!r} must lead to numbers, but in a message on {where} it '
-                f'does not: {error}; it holds: {_listed(store, kind)}') from error
+                f'--wrench-field {field!r} must lead to 1, 3 or 6 numbers, but in a message on '
+                f'{where} it does not; it holds: {_listed(store, kind)}') from error
         return encoder.encode(time_ns, *wrench)
 
     return change
@@ -128,7 +128,7 @@ def _numbers(value: Any) -> list[float]:
         value = [value.x, value.y, value.z]
     row = np.asarray(value, np.float64).ravel()
     if len(row) not in (1, 3, 6):
-        raise ValueError(f'expected 1, 3 or 6 numbers, got {len(row)}')
+        raise ValueError
     return [float(number) for number in row] + [0.0 if np.isfinite(row).all() else nan] * (
         6 - len(row))
 

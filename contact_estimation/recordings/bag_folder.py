@@ -146,7 +146,7 @@ def recording_files(path: Path) -> list[Path]:
     """List the files of a recording in the order in which they were written."""
     if not path.exists():
         raise RecordingError(
-            f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder')
+            f'recording {path} does not exist; give an .mcap file, a rosbag2 folder or a table')
     if not path.is_dir():
         return [path]
     information = _information(path / FILE_NAME)

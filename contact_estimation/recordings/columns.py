@@ -132,6 +132,7 @@ def signals_of_columns(
 def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
     """Choose the column of each signal."""
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
+    chosen = {key: _with_unit(column, columns) for key, column in chosen.items()}
     for key, column in chosen.items():
         if not is_key(key):
             raise RecordingError(
@@ -154,6 +155,15 @@ def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) 
                 f'several columns of {where} may be {key}: {", ".join(map(repr, names))}; choose '
                 f'with --columns {key}={names[0]}')
     return {**{key: names[0] for key, names in found.items()}, **chosen}
+
+
+def _with_unit(name: str, columns: Columns) -> str:
+    """Return the one column of a name that was given without its unit, else the name."""
+    bare = name.removeprefix('-')
+    same = [column for column in columns if _UNIT.sub('', column.strip()).strip() == bare]
+    if name in columns or bare in columns or len(same) != 1:
+        return name
+    return same[0] if bare == name else f'-{same[0]}'
 
 
 def _rank_and_key(name: str) -> tuple[int, str]:

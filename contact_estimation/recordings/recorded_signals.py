@@ -113,18 +113,27 @@ class RecordedSignals:
     joint_states: Signal
     reference_trajectory: Signal  # empty where none was recorded
     frame_id: str  # frame of the wrench
+    foreign: int = 0  # number of wrenches left out, since they have another frame
     tare: Tare | None = None  # what was subtracted from the force
 
 
 def read_signals(
     reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = '',
-    most_samples: int | None = None,
+    most_samples: int | None = None, frame_id: str = '',
 ) -> RecordedSignals:
-    """Read wrench, joint and reference of the contact axis."""
-    wrenches = WrenchDecoder()
+    """Read wrench, joint and reference of the contact axis; '': the frame of the first wrench."""
+    force = _ForceOfFrame(axis, frame_id)
+    decode_joints = JointStateDecoder(joint).decode
+
+    def motion(data: bytes) -> Row:
+        stamp_ns, *values = decode_joints(data)
+        return stamp_ns, tuple(values)
+
     wrench, joints, reference = read_rows(
-        reader, source, _decoders(wrenches, source, axis, joint), (1, 2, 4), most_samples)
-    return RecordedSignals(wrench, joints, reference, wrenches.frame_id)
+        reader, source, {source.wrench: force, source.joint_states: motion,
+                         source.reference_trajectory: reference_rows(joint)},
+        (1, 2, 4), most_samples)
+    return RecordedSignals(wrench, joints, reference, force.frame_id, force.foreign)
 
 
 def read_rows(
@@ -192,22 +201,22 @@ def wrench_rate(reader: RecordingReader, topic: str) -> float:
     return 1e9 / period_ns if period_ns > 0.0 else float('nan')
 
 
-def _decoders(
-    wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
-) -> dict[str, Callable[[bytes], Row]]:
-    joints = JointStateDecoder(joint)
-    force_of = FORCE_OF_AXIS[axis]
+class _ForceOfFrame:
+    """Read the force of wrenches of one frame; count the others as `foreign`."""
 
-    def force(data: bytes) -> Row:
-        reading = wrenches.decode(data)
-        return reading.stamp_ns, (force_of(reading),)
+    def __init__(self, axis: str, frame_id: str) -> None:
+        self.frame_id, self.foreign = frame_id, 0
+        self._wrenches, self._force_of = WrenchDecoder(), FORCE_OF_AXIS[axis]
 
-    def motion(data: bytes) -> Row:
-        stamp_ns, *values = joints.decode(data)
-        return stamp_ns, tuple(values)
-
-    return {source.wrench: force, source.joint_states: motion,
-            source.reference_trajectory: reference_rows(joint)}
+    def __call__(self, data: bytes) -> Row:
+        reading = self._wrenches.decode(data)
+        self.frame_id = self.frame_id or reading.frame_id
+        if reading.frame_id != self.frame_id:
+            self.foreign += 1
+            raise MessageError(
+                'wrench_frame_id',
+                f'expected frame {self.frame_id!r}, got {reading.frame_id!r}; set frame_id')
+        return reading.stamp_ns, (self._force_of(reading),)
 
 
 def reference_rows(joint: str) -> Callable[[bytes], Row]:

@@ -23,8 +23,8 @@ from .source import canonical, RecordingSource
 from .text_table import Columns, read_text
 from ..exceptions import MissingPackageError, RecordingError
 
-MOST_CELLS = 1 << 28
-"""Numbers of a compressed table; 2 GiB in memory."""
+MOST_CELLS = 1 << 27
+"""Numbers of a compressed table; 1 GiB in memory."""
 
 
 def is_table(path: Path) -> bool:

@@ -111,7 +111,8 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
         **(of_tf if has_transforms() else {}),
         **{topic: (type_name, None) for topic, type_name in of_any_publisher.items()},
         **{f'{estimator}/{name}': (topics.VECTOR3, _ESTIMATE_QOS) for name in vectors},
-        f'{estimator}/model_fit': (topics.FLOAT64, _ESTIMATE_QOS),
+        **{f'{estimator}/{name}': (topics.FLOAT64, _ESTIMATE_QOS)
+           for name in ('model_fit', 'stability')},
         **{f'{estimator}/{name}': (type_name, _ESTIMATE_QOS)
            for name, type_name in MATRIX_TOPICS.items()},
         # Published on change: what came before the recorder is still wanted.

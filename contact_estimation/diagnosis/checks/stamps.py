@@ -25,14 +25,13 @@ _STRIDE = 10  # steps over which recorded rates are compared with differences of
 
 
 def complete_file(evidence: Evidence) -> Finding:
-    """Find what of the file is damaged."""
+    """Find what of the file is damaged or left out."""
     damage = evidence.recording.damage
     if not damage:
         return Finding(True, 'the file could be read as a whole')
     last = float(evidence.whole.wrench_t[-1])
-    return Finding(False, f'the file is damaged: {damage}; what was read lasts {last:.6g} s, and '
-                          'the rest is not diagnosed; end the recorder before copying its file',
-                   fatal=False)
+    return Finding(False, f'{damage}; what was read lasts {last:.6g} s, and the rest is not '
+                          'diagnosed', fatal=False)
 
 
 def stamp_order(evidence: Evidence) -> Finding:

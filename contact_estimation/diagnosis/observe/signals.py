@@ -50,7 +50,7 @@ class Recording:
     signals: Signals  # as recorded
     # by how much a stamp lay before that of an earlier message, at most [s]
     stamps_back_s: float = 0.0
-    damage: str = ''  # what of the file could not be read; '' if all was
+    damage: str = ''  # what of the file was not read, and why; '' if all was
     rests_count: bool = True  # whether the stretches count in which a drive is held at rest
     tare: Tare | None = None  # what was subtracted from the force
     simulated: bool = False  # whether a simulator wrote it, whose sensors err by noise alone
@@ -201,11 +201,16 @@ def read_recording(
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
     return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
-                     _damage(reader), tare=signals.tare)
+                     _damage(reader, signals), tare=signals.tare)
 
 
-def _damage(reader: RecordingReader) -> str:
-    """Say what of a file could not be read; '' if all was."""
-    if reader.damaged_chunks:
-        return f'{reader.damaged_chunks} stretch(es) of it cannot be read'
-    return 'it ends within its data' if reader.truncated else ''
+def _damage(reader: RecordingReader, signals: RecordedSignals) -> str:
+    """Say what of a file could not be read or used; '' if all was."""
+    if signals.foreign:
+        return (f'{signals.foreign} wrenches are not in the frame {signals.frame_id!r} and were '
+                'left out; frame_id chooses another')
+    if reader.damaged_chunks or reader.truncated:
+        cause = ('it ends within its data' if not reader.damaged_chunks else
+                 f'{reader.damaged_chunks} stretch(es) of it cannot be read')
+        return f'the file is damaged: {cause}; end the recorder before copying its file'
+    return ''

@@ -21,7 +21,7 @@ from ...signals.stream_faults import Bursts, bursts_of
 
 Array = NDArray[np.float64]
 
-_LOADED = 4.0  # standard deviations
+LOADED = 4.0  # standard deviations
 _BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of the squares of a normal variable
 
 
@@ -30,7 +30,7 @@ def loaded_correlation(x: Array, force: Array, noise: float) -> float:
     if not len(force):
         return 0.0
     away = np.abs(force - np.mean(force[:max(1, len(force) // 10)]))
-    loaded = away > _LOADED * noise
+    loaded = away > LOADED * noise
     if not loaded.any():
         return 0.0
     near = (x >= x[loaded].min()) & (x <= x[loaded].max())

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from .check import (
-    Array, Check, Evidence, extremes, Forces, loaded_correlation, median_of, millimetres,
+    Array, Check, Evidence, extremes, Forces, LOADED, loaded_correlation, median_of, millimetres,
     spread_of)
 from ...kinematics.parameters import TRACKED
 from ...signals.stream_faults import CLEAR, TARE_DUE
@@ -38,13 +38,12 @@ class ForceSign(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Look for a one-sided force with the wrong slope, or on the wrong side."""
-        if seen.spread < CLEAR * seen.noise:
-            return None
-        if abs(seen.slope_sign) < _RELATED:
+        slope = _slope_by_least_force(seen) or seen.slope_sign
+        if seen.spread < CLEAR * seen.noise or abs(seen.slope_sign) < _RELATED:
             return None
         low, high = extremes(seen.force - _level_outside(seen))
         pulls = low > -_PULLS_LESS * seen.noise and not seen.contact.any()
-        if seen.slope_sign < 0.0:
+        if slope < 0.0:
             return self._pulled(high, seen) if pulls and high > CLEAR * seen.noise else ''
         if pulls:
             return (f'force grows to {high:+.3g} N with penetration, but F_e is negative while '
@@ -199,6 +198,30 @@ class ForceBias(Check):
         if seen.may_be_weight:
             remedy = f'run calibrate_tool, or without a tool {remedy}'
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'
+
+
+def _slope_by_least_force(seen: Evidence) -> float:
+    """
+    Return the sign of force over x by the place of the least force so far; 0 if on both sides.
+
+    Within a contact the force may fall with depth, as where a wall yields or buckles.
+    """
+    if not len(seen.force):
+        return 0.0
+    size, margin = np.abs(seen.force), LOADED * seen.noise
+    least, low, high = seen.memory.get('least_force', (np.inf, np.inf, -np.inf))
+    if size.min() < least - margin:
+        least, low, high = float(size.min()), np.inf, -np.inf
+    loaded = size > least + margin
+    if not loaded.all():
+        x = seen.x[~loaded]
+        low, high = min(low, float(x.min())), max(high, float(x.max()))
+    seen.memory['least_force'] = least, low, high
+    if not loaded.any():
+        return 0.0
+    middle = median_of(seen.x[loaded])
+    side = float(middle > high) - float(middle < low)
+    return side * float(np.sign(median_of(seen.force[loaded])))
 
 
 def _level_outside(seen: Evidence) -> float:
