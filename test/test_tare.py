@@ -225,3 +225,10 @@ def test_a_step_between_short_flights_is_found_and_a_drift_is_none(
     for one in found:
         assert one.size == pytest.approx(step, abs=0.3)
         assert 5.4 < one.begin < one.end < 10.0
+
+
+def test_a_zero_that_settles_makes_no_step() -> None:
+    t = np.concatenate([np.arange(0.0, 0.8, 0.002), np.arange(3.6, 5.3, 0.002)])
+    noise = np.random.default_rng(1).normal(0.0, 0.2, len(t))
+    assert zero_steps(t, -1.7 - 5.3 * np.exp(-t / 4.4) + noise, 0.2) == []
+    assert len(zero_steps(t, 3.0 * (t > 2.0) + noise, 0.2)) == 1

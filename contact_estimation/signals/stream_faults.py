@@ -235,8 +235,9 @@ def _joined(one: _Piece, other: _Piece) -> _Piece:
 
 
 def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
-    """Return whether two levels differ by more than noise and drift."""
-    size = abs(now.mean - before.mean)
+    """Return whether two levels differ by more than noise, drift, and what settles in one."""
+    change = now.mean - before.mean
+    size = abs(change)
     if at_once:
         return size > _PERSISTS * CLEAR * noise
     least = TARE_DUE if min(before.samples, now.samples) >= 2 * _PIECE else CLEAR
@@ -248,7 +249,9 @@ def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
     weights = [1.0 / error**2 for error in errors]
     slope = abs(before.slope * weights[0] + now.slope * weights[1]) / sum(weights)
     apart = 0.5 * (now.begin + now.end - before.begin - before.end)
-    return size > (slope + 3.0 / sum(weights)**0.5) * apart
+    settles = max(np.sign(change) * piece.slope - 3.0 * error
+                  for piece, error in zip((before, now), errors))
+    return bool(size > max(slope + 3.0 / sum(weights)**0.5, settles) * apart)
 
 
 BEFORE_ANY = -(2**63)
