@@ -87,12 +87,16 @@ def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
     assert 'the stiffness has no band' in lost.reason
 
 
-def test_a_force_that_only_a_release_contradicts_changes_no_stiffness() -> None:
+@pytest.mark.parametrize('step, factor', [(3.0, 1.0), (5.0, 1.0), (3.0, 1.5)])
+def test_a_force_that_only_a_release_contradicts_changes_no_stiffness(
+    step: float, factor: float,
+) -> None:
     samples = two_presses()
-    zero = np.where(samples.t > 3.84, 3.0, 0.0)  # steps while the tool withdraws
-    last = estimates_of(samples._replace(force=samples.force + zero))[-1]
+    zero = np.where(samples.t > 3.84, step, 0.0)  # while the tool withdraws
+    wall = np.where(samples.t > 3.0, factor, 1.0)
+    last = estimates_of(samples._replace(force=wall * samples.force + zero))[-1]
     assert last.status is FREE
-    assert last.stiffness == pytest.approx(K, rel=0.005)
+    assert last.stiffness == pytest.approx(factor * K, rel=0.005)
     assert last.stiffness_std < 0.01 * K
 
 

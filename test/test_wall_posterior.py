@@ -9,6 +9,7 @@ from typing import Callable
 from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
+from contact_estimation.estimators.multiple_model.evidence import mixture, Wall
 from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
@@ -39,9 +40,12 @@ def test_agrees_with_batch_least_squares_on_a_known_surface(seed: int) -> None:
 
 # -- contact ------------------------------------------------------------------------------------
 
-def judged(contact_filter: ContactFilter, forces: Array, x: float = -1.0) -> list[int]:
+def judged(
+    contact_filter: ContactFilter, forces: Array, places: Array | None = None
+) -> list[int]:
     states = []
-    for force in forces.tolist():
+    places = np.full(len(forces), -1.0) if places is None else places
+    for force, x in zip(forces.tolist(), places.tolist()):
         contact_filter.take((2e-3,), (force,), (x,), nan, nan)
         states.append(contact_filter.state)
     return states
@@ -66,7 +70,7 @@ def test_slow_touch_is_found_before_eight_deviations_and_never_early() -> None:
             contact_filter = started(draw)
             ramp = np.maximum(np.arange(3000) * 2e-3 - 1.0, 0.0) * slope
             force = 0.5 * (ramp + draw.standard_normal(len(ramp)))
-            states = np.array(judged(contact_filter, force))
+            states = np.array(judged(contact_filter, force, 1e-3 * ramp - 1.0))
             first = int(np.flatnonzero(states == CONTACT)[0])
             assert 0.0 < ramp[first] < 8.0, (slope, seed)
             assert not np.any(states[first:] == FREE), (slope, seed)
@@ -125,16 +129,18 @@ def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
 
 
 def believed(
-    step: float, at: float, location: float, since: float,
+    step: float, at: float, location: float, since: float, shaken: float = 0.002,
 ) -> list[tuple[float, float]]:
     """Return K_e and its deviation in contact, of three contacts, the zero stepping in between."""
-    samples = contact(spring_damper(K, B), 7.5, presses=((0.3, 2.5), (3.0, 5.0), (5.5, 7.4)))
+    samples = contact(spring_damper(K, B), 7.5, shaken=shaken,
+                      presses=((0.3, 2.5), (3.0, 5.0), (5.5, 7.4)))
     force = samples.force + step * (samples.t > at)
     posterior, found = WallPosterior(location, 0.0, NO_LAG), []
     for t, f, x, depth in zip(samples.t, force, samples.x, samples.depth):
         posterior.take(t, f, x)
-        if t > since and depth > 1e-3:
+        if t > since and depth > 1e-3 and posterior.known.valid:
             found.append((posterior.known.stiffness, posterior.known.stiffness_std))
+    assert len(found) > 500
     return found
 
 
@@ -151,6 +157,37 @@ def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
 def test_a_step_of_the_zero_in_a_contact_is_forgotten_after_it(step: float, at: float) -> None:
     for stiffness, std in believed(step, at, 0.0, since=5.0):
         assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
+@pytest.mark.parametrize('location', [0.0, nan])
+@pytest.mark.parametrize('step', [-4.0, -2.0, 2.0, 4.0])
+def test_the_band_in_a_hold_covers_a_step_of_the_zero(step: float, location: float) -> None:
+    for stiffness, std in believed(step, 3.9, location, since=4.0, shaken=0.0):
+        assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
+@pytest.mark.parametrize('step', [-4.0, -2.0, 2.0, 4.0])
+@pytest.mark.parametrize('location', [0.0, nan])
+def test_a_constant_force_before_the_first_touch_is_a_zero_that_has_stepped(
+    step: float, location: float,
+) -> None:
+    samples = contact(spring_damper(K, B), 2.0, shaken=0.0, presses=((1.0, 1.9),))
+    posterior = WallPosterior(location, 2e-3, NO_LAG)
+    for t, f, x, depth in zip(*samples):
+        posterior.take(t, f + step * (t > 0.3), x)
+        known = posterior.known
+        if 0.8 < t < 1.0:
+            assert posterior.contact.state == FREE
+            assert posterior.contact.level == pytest.approx(step, abs=0.2)
+        elif depth > 2e-3 and known.valid:
+            assert within(known.stiffness, K, known.stiffness_std, 3.0)
+    assert within(known.stiffness, K, 0.02 * K)
+
+
+def test_what_is_all_but_impossible_does_not_widen_a_band() -> None:
+    found = Wall(np.array([K, 1.0]), np.array([B, 1.0]), np.array([0.0, 0.1]), np.zeros((3, 2)))
+    _, variances = mixture(np.array([1.0 - 2e-5, 2e-5]), found)
+    assert max(variances) == 0.0
 
 
 # -- laws ---------------------------------------------------------------------------------------

@@ -258,7 +258,7 @@ class EstimationPipeline:
             pressing = known.pressing
         self._note_force(state, dt, x, v, pressing)
         if location != location:
-            surface.locate(state == CONTACT, dt, x, v, pressing)
+            surface.locate(state, dt, x, v, pressing)
         if known is None and rows is None:
             published = self._by_posterior.published(stamp_ns, state, surface.location)
             return new_tuple(Estimate, (stamp_ns, *published))

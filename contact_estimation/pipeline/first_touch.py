@@ -13,6 +13,8 @@ from typing import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..estimators.multiple_model import CONTACT, FREE
+
 Array = NDArray[np.float64]
 
 _LONGEST_S = 0.25  # of the rise of the force that is looked at
@@ -37,32 +39,40 @@ class FirstTouch:
         self._known_forces = known_forces
         self._approach: deque[tuple[float, ...]] = deque(maxlen=_APPROACH)
         self._rise: list[tuple[float, ...]] = []
-        self._rise_s = 0.0
+        self._rise_s, self._state = 0.0, FREE
 
     def take(
-        self, touching: bool, x: float, v: float, pressing: float, dt: float, noise: float
+        self, state: int, x: float, v: float, pressing: float, level: float, dt: float,
+        noise: float,
     ) -> tuple[float, float] | None:
         """
         Follow a sample.
 
+        state: of the contact
         x, v: position [m], and its measured rate, NaN without [m/s]
-        pressing, dt, noise: pressing force above that of free flight [N], time since the last
+        pressing, level, dt, noise: pressing force and that of free flight [N], time since the last
         sample [s], standard deviation of the force [N]
         Returns surface, std: x_e and its standard deviation [m]; None while it is not known
         """
         point = x, pressing, v, dt
-        if not touching:
+        if state != CONTACT:
             self._rise, self._rise_s = [], 0.0
+            if state != self._state:  # the force of free flight is another
+                self._approach.clear()
+            self._state = state
             self._approach.append(point)
             return None
         self._rise.append(point)
         self._rise_s += dt
-        if (len(self._rise) < _LEAST or pressing <= _CLEAR * noise) and self._rise_s < _LONGEST_S:
+        if self._rise_s < _LONGEST_S and (
+                len(self._rise) < _LEAST or pressing - level <= _CLEAR * noise):
             return None
-        return self._judge(noise)
+        return self._judge(level, noise)
 
-    def _judge(self, noise: float) -> tuple[float, float]:
+    def _judge(self, level: float, noise: float) -> tuple[float, float]:
         approach, rise = np.array(self._approach).reshape(-1, 4), np.array(self._rise)
+        approach[:, 1] -= level
+        rise[:, 1] -= level
         surface, std = surface_of(approach, rise, noise)
         known = np.array(self._known_forces(surface, len(approach) + len(rise)))
         if known.any():

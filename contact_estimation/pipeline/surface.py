@@ -40,10 +40,10 @@ class Surface:
         """Look for the first touch among the samples to come."""
         self._compensation, self._touch = compensation, FirstTouch(compensation.forces)
 
-    def locate(self, touching: bool, dt: float, x: float, v: float, pressing: float) -> None:
+    def locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
         """Take the surface that the first touch shows; see `FirstTouch.take`."""
         contact = self._posterior.contact
-        found = self._touch.take(touching, x, v, pressing - contact.level, dt, contact.noise_std)
+        found = self._touch.take(state, x, v, pressing, contact.level, dt, contact.noise_std)
         if found is not None:
             self.location = self._compensation.nominal(found[0])
             self._posterior.expect(self.location, found[1])

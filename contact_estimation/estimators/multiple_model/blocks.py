@@ -26,7 +26,7 @@ _BELIEVED = 10  # samples in a row
 _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
 _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
 _NOISE_SAMPLES = 200  # over which the noise of the position is averaged
-_JUMP = 12.0  # standard deviations of a difference that is no noise
+_JUMP = 6.0  # standard deviations of a difference that is no noise
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
 FIRST = 20
 """Samples from which period and noise are learned."""

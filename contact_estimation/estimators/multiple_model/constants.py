@@ -42,6 +42,9 @@ SEGMENT_S = 0.3
 SLOPE_STD = 4.0
 """Standard deviations for which a slope is significant: 6e-5."""
 
+UNLIKELY = 6e-5
+"""Probability of a hypothesis that counts: what a normal distribution has beyond SLOPE_STD."""
+
 # -- surface ------------------------------------------------------------------------------------
 ANYWHERE_M = 0.1
 """Standard deviation of a surface that nothing is known of [m]: the reach of one contact."""
@@ -56,6 +59,9 @@ NEAR_DEPTH = 0.3
 """Standard deviation of a shift of the surface that (y - delta)^n = y^n - n delta y^(n-1) is used
 for [mean depths]: the next term is (n - 1) / 2 delta / y of it, a tenth."""
 
+LEAST_STIFFNESS, STIFFEST = 30.0, 1e6
+"""Of a wall that is not known [N/m]: from foam to steel on a robot."""
+
 STILL_THERE = 0.7
 """Prior of the same surface after the wall has changed."""
 
@@ -66,6 +72,10 @@ NEW_WALL = 0.05
 CHANGES, OBSERVED_S = 1.0, 50.0
 """Prior of the rate of changes within a contact, as if so many had been seen in that time;
 those that happen are counted too (gamma prior of a Poisson rate)."""
+
+ZERO_STEPS, ZERO_STEP_N = 0.25, 3.0
+"""Steps of the sensor's zero within a contact for each change of the wall, and their standard
+deviation [N]: a cable that pulls, an estimate of joint torques that drifts."""
 
 COMMIT = 4.0
 """Log odds of a change from which what was before is dropped: 50 to 1."""

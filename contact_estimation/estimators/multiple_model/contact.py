@@ -6,56 +6,22 @@
 from __future__ import annotations
 
 from math import exp, nan, sqrt
-from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .colour import Colour, SECOND
 from .constants import (
-    ANYWHERE_M, CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT,
-    SLOPE_STD, TOUCH)
+    CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT, SLOPE_STD,
+    STIFFEST, TOUCH)
+from .segment import FEW, Floats, Segment
 
-Floats = Sequence[float]
 FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
+_TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
+_LOOK_S = 0.06  # between looks at whether a touch was one
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
-
-
-class Segment:
-    """Sums of position and force, for the line of one over the other."""
-
-    def __init__(self) -> None:
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget all samples."""
-        self.seconds = 0.0
-        self._x: list[float] = []
-        self._f: list[float] = []
-
-    def add(self, seconds: float, x: Floats, f: Floats) -> None:
-        """Add samples, after which so much time has passed [s]."""
-        self.seconds = seconds
-        self._x.extend(x)
-        self._f.extend(f)
-
-    @property
-    def count(self) -> int:
-        """Return the number of samples."""
-        return len(self._x)
-
-    @property
-    def moments(self) -> tuple[int, float, float, float, float]:
-        """Return count, mean force, and the centred sums of x^2, x f and f^2."""
-        if not self._x:
-            return 0, 0.0, 0.0, 0.0, 0.0
-        both = np.array([self._x, self._f])
-        mean = both.mean(axis=1, keepdims=True)
-        both -= mean
-        (xx, xf), (_, ff) = (both @ both.T).tolist()
-        return len(self._x), float(mean[1, 0]), xx, xf, ff
 
 
 class ContactFilter:
@@ -81,7 +47,9 @@ class ContactFilter:
         self.level = self.level_variance = self._up = self._down = 0.0
         self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
-        self._segment = Segment()
+        self._segment, self._rise = Segment(), Segment()
+        self._stepped = 0.0, 0.0  # the level if it has stepped, and its variance
+        self._look_s = SEGMENT_S  # when a force is compared with the travel
         self._colour = Colour()
 
     def expect_noise(self, least: float) -> None:
@@ -158,9 +126,14 @@ class ContactFilter:
             self._colour.learn(force[done:done + count], white if white > self._least else 0.0)
             done += count
         if self.state != before:
-            self._up = self._down = 0.0
-            self._segment.clear()
+            self._begin_state()
         return done
+
+    def _begin_state(self) -> None:
+        """Forget what tests have collected; a level that steps does so by as much as a force."""
+        self._up = self._down = 0.0
+        self._segment.clear()
+        self._stepped = self.level, (self._noise[1] - self.level) ** 2
 
     def _judge(self, dt: Floats, force: Floats, x: Floats, places: Floats) -> int:
         """Judge samples, up to and with the one that changes the state."""
@@ -207,13 +180,15 @@ class ContactFilter:
             up, down = up + z - SHIFT, down - z - SHIFT
             up, down = up if up > 0.0 else 0.0, down if down > 0.0 else 0.0
             if up > TOUCH - place and pressing > self.minimum_force:
-                self.state = NEITHER if place <= _FAR_OUTSIDE else CONTACT
+                still = place <= 0.0 and (x - onset) * STIFFEST < pressing
+                self.state = NEITHER if still or place <= _FAR_OUTSIDE else CONTACT
+                self._look_s = _LOOK_S if place <= 0.0 else SEGMENT_S
                 break
             if down > TOUCH + (place if place > 0.0 else 0.0):
                 self.state = NEITHER
                 break
             if (self.follows_level and up < 0.25 * TOUCH and down < 0.5 * TOUCH
-                    and place < 0.5):
+                    and place < _TEACHES):
                 level_variance += walk * variance * dt
                 gain = level_variance / (level_variance + variance)
                 most = 3.0 * deviation
@@ -233,22 +208,27 @@ class ContactFilter:
             count += 1
             z = (force - level) / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-            down, up = down + SHIFT - z, up - place + 0.5 * _FAR_OUTSIDE
+            down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if z > _PRESSES else 0.0)
             down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
             seconds += dt
             if down > RELEASE:
                 self.state = NEITHER if z < -SLOPE_STD else FREE
                 break
-            if up > 4.0 * TOUCH:  # a force remains where no wall is
+            if up > 2.0 * TOUCH:  # a force remains where no wall is
                 self.state = NEITHER
                 break
-            if seconds > SEGMENT_S:
+            if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
-                seconds, kept = 0.0, count
-                if self._is_level(variance):
+                kept = count
+                if segment.excludes_wall_near(variance, level) or self._look_s < SEGMENT_S and (
+                        segment.excludes_wall_from(self.onset, variance, level)):
+                    self.set_level(*segment.mean(variance))
                     self.state = FREE
                     break
-                segment.clear()
+                self._look_s = min(self._look_s + _LOOK_S, SEGMENT_S)
+                if seconds > SEGMENT_S:
+                    seconds, self._look_s = 0.0, SEGMENT_S
+                    segment.clear()
         segment.add(seconds, xs[kept:count], forces[kept:count])
         self._up, self._down = up, down
         return count
@@ -256,6 +236,7 @@ class ContactFilter:
     def _in_neither(
         self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
     ) -> int:
+        """Judge samples by the level as known, and by one that has stepped to the force since."""
         count, segment = 0, self._segment
         for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
             count += 1
@@ -265,36 +246,48 @@ class ContactFilter:
             segment.add(segment.seconds + dt, (x,), (force,))
             if self._down > RELEASE:
                 self.state = FREE
-            elif segment.count % 10 == 0:
+            elif self._touches_from_stepped(force, x, variance, place):
+                self.state = CONTACT
+            elif segment.count % FEW == 0:
                 self._judge_again(z, variance, place)
             if self.state != NEITHER:
                 break
         return count
 
+    def _touches_from_stepped(
+        self, force: float, x: float, variance: float, place: float
+    ) -> bool:
+        """Learn the level that has stepped; return whether a wall is touched from it."""
+        (level, doubt), rise = self._stepped, self._rise
+        if not self._up:
+            rise.clear()
+        rise.add(0.0, (x,), (force,))
+        z = (force - level) / sqrt(variance + doubt)
+        z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+        self._up = max(self._up + z - SHIFT, 0.0)
+        if self._up < 0.25 * TOUCH:
+            gain = doubt / (doubt + variance)
+            level, doubt = level + gain * z * sqrt(variance + doubt), doubt * (1.0 - gain)
+            self._stepped = level, doubt
+        if self._down or self._up <= TOUCH - place or place <= _FAR_OUTSIDE or not rise.grows:
+            return False
+        if doubt < variance / FEW:  # else it was no level before it rose
+            self.set_level(level, doubt)
+            self.onset = rise.begin
+        return True
+
     def _judge_again(self, z: float, variance: float, place: float) -> None:
         """Decide whether what is neither is a wall after all, or the level."""
         segment = self._segment
-        count, mean, xx, xf, ff = segment.moments
-        explained = xf * xf / xx if xf > 0.0 < xx else 0.0
-        if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * variance):
+        if z > SLOPE_STD and segment.is_line(CLIP * CLIP * variance):
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
-            if self._is_level(variance) or ff < SLOPE_STD * count * variance and place < -1.0:
-                self.set_level(mean, variance / count)
+            if segment.excludes_wall_near(variance, self.level) or (
+                    place < _TEACHES and segment.stays(variance)):
+                self.set_level(*segment.mean(variance))
                 self.state = FREE
             elif segment.seconds > 2.0 * SEGMENT_S:
-                segment.clear()
-
-    def _is_level(self, noise: float) -> bool:
-        """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
-        count, mean, xx, xf, ff = self._segment.moments
-        if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * noise:
-            return False
-        deviation = sqrt(max(noise, ff / count) / xx)
-        if abs(xf / xx) + SLOPE_STD * deviation > abs(mean - self.level) / ANYWHERE_M:
-            return False
-        self.set_level(mean, noise / count)
-        return True
+                self._begin_state()
 
 
 _FAR_INSIDE, _FAR_OUTSIDE = 4.0, -8.0  # log odds of contact at a place in the wall, and far off

@@ -9,7 +9,7 @@ from typing import Generator, NamedTuple, Sequence
 
 import numpy as np
 
-from .constants import NEAR_DEPTH, NOISE_DOUBT
+from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
     Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
     ONE, prior, scales, UNKNOWNS)
@@ -220,8 +220,16 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
                   np.minimum(variance, reach * reach)]))
 
 
+def joined(weights: Array, found: Wall, share: Array, more: Wall) -> tuple[Array, Wall]:
+    """Return hypotheses with more of them, which have a share of the probability."""
+    return (np.concatenate([weights * (1.0 - share.sum()), share]),
+            Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, more))))
+
+
 def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
-    """Return means and variances of K_e, B_e and x_e - x0 of weighted hypotheses."""
+    """Return means and variances of K_e, B_e and x_e - x0 of those hypotheses that count."""
+    weights = np.where(weights > UNLIKELY, weights, 0.0)
+    weights /= weights.sum()
     values = np.stack(found[:3])
     means = values @ weights
     spreads = (found.variances + np.square(values - means[:, None])) @ weights

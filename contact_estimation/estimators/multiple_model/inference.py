@@ -12,17 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import Blocks
-from .constants import ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, SHIFT, STIFFNESS_FLOOR
+from .constants import (
+    ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, LEAST_STIFFNESS, SHIFT, STIFFNESS_FLOOR)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
-    Hypotheses, hypotheses, judge_in_parts, Judged, mixture, negativity, Scene, Wall, walls)
+    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
     ACCELERATION, Array, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
 from .runs import Change, decided, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
-from .wall_statistics import LEAST_STIFFNESS, WallStatistics
+from .wall_statistics import Replaced, WallStatistics
 
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
@@ -61,7 +62,9 @@ class WallInference:
         self.changes = 0
         self._touched: Touch | None = None
         self._outward = 0  # blocks in a row in which the tool moves out of the wall
-        self._replaced_at = 0  # blocks before the first change since a touch
+        # The walls before the first change since the touch, and before that of an outward motion
+        # to the end, each with the number of blocks then.
+        self._replaced: list[tuple[int, Replaced]] = []
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
 
@@ -102,7 +105,7 @@ class WallInference:
         x, onset: where the contact was noticed, and where the force may have begun [m]
         """
         self.rhythm.touch()
-        self._level, self._sums.replaced = self._contact.level, None
+        self._level, self._replaced, self._sums.same = self._contact.level, [], None
         known = self.known
         noise = self._blocks.noise[0]
         error = EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
@@ -178,23 +181,23 @@ class WallInference:
 
     def zero_has_stepped(self, x: float) -> bool:
         """Return whether free flight at a place [m] has another force than before a contact."""
-        off, replaced = abs(self._contact.level - self._level), self._sums.replaced
-        return replaced is not None and x < replaced.edge and (
+        off = abs(self._contact.level - self._level)
+        return bool(self._replaced) and x < self._replaced[0][1].edge and (
             off > 2.0 * SHIFT * sqrt(self._contact.variance))
 
     def leave(self) -> Iterator[None]:
         """End a contact: weigh its last data, and forget a change that only a release showed."""
         yield from self.weigh_rest()
-        if self._sums.replaced is not None and (
-                self._outward > self.rhythm.blocks - self._replaced_at):
-            yield from self.put_back()
+        yield from self.put_back(self.rhythm.blocks - self._outward)
 
-    def put_back(self) -> Iterator[None]:
-        """Put the wall before a change back: it is not known when the zero has stepped."""
-        before = self._sums.replaced
-        if before is None:  # forgotten since
+    def put_back(self, since: int = 0) -> Iterator[None]:
+        """Put the wall back that was before the first change since a number of blocks."""
+        known, later = ([one for one in self._replaced if (one[0] > since) == after]
+                        for after in (False, True))
+        if not later:
             return
-        self._sums.put_back(before)
+        self._replaced = known
+        self._sums.put_back(later[0][1])
         self.residuals.best = None
         self.changes += 1
         yield
@@ -258,18 +261,26 @@ class WallInference:
         top = int(np.argmax(odds))
         self.residuals.best = what.law[top:top + 1], judged.theta[top], scene
         yield
-        self._report_knowledge(weights, judged, what, change, law, scene)
+        of_same = None if sums.same is None else sums.judge_same(
+            scene, float(odds[~moves].max()))
+        self._report_knowledge(weights, judged, what, change, law, scene, of_same)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
         if change is not None and certain >= 0:
             yield
-            if sums.replaced is None:
-                self._replaced_at = self.rhythm.blocks
-            self.changes += sums.commit(change, certain, scene, min(gap, 0.0))
+            self._note_change(sums.commit(change, certain, law, scene, min(gap, 0.0)))
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface()
+
+    def _note_change(self, before: Replaced) -> None:
+        """Keep the wall before a change if it is the first of the contact, or of its release."""
+        blocks = self.rhythm.blocks
+        self.changes += before.other
+        if not self._replaced or self._outward and (
+                self._replaced[-1][0] <= blocks - self._outward):
+            self._replaced[1:] = [(blocks, before)]
 
     def _learn_lag(self, weights: Array, judged: Judged) -> None:
         """Learn the lag where a spring and a damper are all that is there."""
@@ -280,7 +291,7 @@ class WallInference:
 
     def _report_knowledge(
         self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
-        law: int, scene: Scene,
+        law: int, scene: Scene, of_same: tuple[float, Judged, int] | None,
     ) -> None:
         """Publish the mixture of all hypotheses."""
         of_law = weights.reshape(_LAWS, -1).sum(1)
@@ -289,8 +300,11 @@ class WallInference:
             changed = np.append(change.odds, 0.0)
             share = np.exp(changed - np.logaddexp.reduce(changed))[:-1] * (1.0 - of_law[MOVING])
             since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
-            found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
-            weights = np.concatenate([weights * (1.0 - share.sum()), share])
+            weights, found = joined(weights, found, share, since)
+        if of_same is not None:
+            same, kept, law = of_same
+            weights, found = joined(weights, found, np.array([same]), walls(
+                kept, np.array([law]), scene, ANYWHERE_M))
         (K, B, delta), spreads = mixture(weights, found)
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)

@@ -9,9 +9,9 @@ from math import log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .constants import CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS
+from .constants import (
+    CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
@@ -105,8 +105,8 @@ class Change(NamedTuple):
     # run, place (N,): index of the run, and of the surface before it
     run: Ints
     place: Ints
-    # (N,) whether it is the same wall and the force is shifted, instead of another wall
-    shifted: NDArray[np.bool_]
+    # (N,) variance of a shift of the force where that is the change [N^2], 0 of another wall
+    shift: Array
 
 
 class Before(NamedTuple):
@@ -230,7 +230,8 @@ class Runs:
         """
         Judge the wall since each run, and whether it is another one, in parts.
 
-        At a touch of a known wall the zero of the sensor may have stepped instead.
+        Within a contact, and at a touch of a known wall, the zero of the sensor may have stepped
+        instead.
 
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
@@ -243,24 +244,28 @@ class Runs:
         touches, doubts, again = np.array(self._touches)[used].T
         old = np.flatnonzero(np.array(self._ages)[used] >= _LEAST_BLOCKS)
         touched = old[touches[old] == touches[old]]  # the surface may be another one too
-        known = np.flatnonzero(again)  # the wall may be the same
-        run = np.concatenate([old, touched, known])
-        same = np.arange(len(run)) >= len(run) - len(known)
-        centre = np.concatenate([near[old], touches[touched], near[known]])
-        std = np.concatenate([near_std[old], doubts[touched], near_std[known]])
-        hazard = np.where(touches[run] == touches[run], log(0.5 * NEW_WALL),
-                          log(self.changes / self.seconds * block_s))
+        within = old[touches[old] != touches[old]]  # the wall may be the same
+        same = np.concatenate([within, np.flatnonzero(again)])
+        run = np.concatenate([old, touched, same])
+        centre = np.concatenate([near[old], touches[touched], near[same]])
+        std = np.concatenate([near_std[old], doubts[touched], near_std[same]])
+        rate = self.changes / self.seconds * block_s
+        is_same = np.arange(len(run)) >= len(run) - len(same)
+        hazard = np.where(touches[run] == touches[run], log(0.5 * NEW_WALL), np.log(
+            np.where(is_same, ZERO_STEPS, 1.0) * rate))
+        shift = np.zeros(len(run))
+        shift[is_same] = np.where(again[same], np.square(
+            what.stiffness[same] * scene.depth), ZERO_STEP_N ** 2)
         grams = since[run]
         stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
-        grams[same], cost = shifted(gram, since[known], force_step(
-            what.stiffness[known], scene.depth))
+        grams[is_same], cost = shifted(gram, since[same], shift[is_same])
         found = yield from judge_in_parts(grams, scene, Hypotheses(
-            what.law[run], *(np.where(same, kept[run], other) for kept, other in zip(
+            what.law[run], *(np.where(is_same, kept[run], other) for kept, other in zip(
                 what[1:], (stiffness, centre, std)))))
         odds = found.evidence - evidence + hazard
-        odds[same] += cost + prior[known]
-        odds[~same] += judged.evidence[run[~same]]
-        return Change(odds, found, centre, std, used[run], place[run], same)
+        odds[is_same] += cost + prior[same]
+        odds[~is_same] += judged.evidence[run[~is_same]]
+        return Change(odds, found, centre, std, used[run], place[run], shift)
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
@@ -270,11 +275,6 @@ class Runs:
         if not touched:
             self.changes += 1.0
         return gram
-
-
-def force_step(stiffness: Array, depth: float) -> Array:
-    """Return the variance of a shift of the force: as much as the force itself [N^2]."""
-    return np.square(stiffness * depth)
 
 
 def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
@@ -291,11 +291,18 @@ def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
 
 
 def decided(change: Change | None) -> int:
-    """Return the index of the change that is certain enough to forget what was before; -1."""
+    """
+    Return the index of the change that is certain enough to forget what was before; -1.
+
+    Another wall, as long as a shift of the force is not certain: see `SameWall`.
+    """
     if change is None:
         return -1
-    best = int(np.argmax(change.odds))
-    return best if change.odds[best] > COMMIT else -1
+    best, wall = (int(np.argmax(odds)) for odds in (
+        change.odds, np.where(change.shift, -np.inf, change.odds)))
+    if change.odds[best] <= COMMIT:
+        return -1
+    return best if change.odds[best] - change.odds[wall] > COMMIT else wall
 
 
 def _secant(grams: Array, delta: Array) -> Array:

@@ -5,29 +5,31 @@
 
 from __future__ import annotations
 
-from math import exp, inf, sqrt
+from math import exp, inf, log, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from .constants import (
-    ANYWHERE_M, AS_TOLD, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, NEAR, STILL_THERE)
-from .evidence import Hypotheses, hypotheses, judge, Scene
+    ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, LEAST_STIFFNESS,
+    NEAR, STIFFEST, STILL_THERE, UNLIKELY)
+from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
     Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, NAMES, RATE, shifted_table)
-from .runs import Change, force_step, Runs, shifted
+from .runs import Change, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
-LEAST_STIFFNESS, _STIFFEST = 30.0, 1e6  # of a wall that is not known [N/m]
-_SCALES: Array = np.geomspace(LEAST_STIFFNESS, _STIFFEST, 16)
+_SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RECENT_S = 0.5  # of the last data, at least
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
 
 
 class Replaced(NamedTuple):
-    """The wall before the first change since a touch: the attributes of its statistics."""
+    """The wall before a change: the attributes of its statistics."""
 
+    other: bool  # whether the wall is another since, not the zero of the sensor
+    x0: float
     gram: Array
     odds: Array
     surfaces: list[tuple[float, float, float]]
@@ -35,6 +37,56 @@ class Replaced(NamedTuple):
     seconds: float
     depth: float
     edge: float  # outside of which the tool is free [m]
+
+
+class SameWall:
+    """
+    The wall before a change, in case not the wall has changed but the zero of the sensor.
+
+    before (16, 16): Gram matrix of all data before it
+    what: law, scale and surface
+    variance: of the step [N^2]
+    odds: log odds against another wall
+    """
+
+    def __init__(self, before: Array, what: Hypotheses, variance: float, odds: float) -> None:
+        self._before, self.what, self._variance, self.odds = before, what, variance, odds
+        self._gap = nan  # by which its evidence counts more than that of the other wall
+
+    def fade(self, fade: float) -> None:
+        """Count what was before the less, the older it is."""
+        self._before *= fade
+        self._gap *= fade
+
+    def move(self, table: Array) -> None:
+        """Move the reference of all columns; see `shifted_table`."""
+        self._before = table @ self._before @ table.T
+
+    def data(self, since: Array, of_now: bool = True) -> tuple[Array, float]:
+        """
+        Return all data, the force of a part shifted, and what the evidence loses.
+
+        since (16, 16): of the data since the change
+        of_now: whether the zero is that of before, from which the force is shifted now
+        """
+        part = since if of_now else self._before
+        (gram,), (cost,) = shifted(self._before + since, part[None], np.array([self._variance]))
+        return gram, float(cost)
+
+    def step_again(self, other: Array, odds: float) -> None:
+        """Note another step, after data (16, 16) of what seemed another wall."""
+        self._before, _ = self.data(other)
+        self._gap, self.odds = nan, self.odds + odds
+
+    def judge(self, since: Array, scene: Scene, evidence: float) -> Judged:
+        """Judge it by the data since the change, of which another wall has some evidence."""
+        gram, cost = self.data(since)
+        judged = judge(gram[None], scene, self.what)
+        gained = float(judged.evidence[0]) + cost - evidence
+        if self._gap != self._gap:
+            self._gap = self.odds - gained
+        self.odds = self._gap + gained
+        return judged
 
 
 class WallStatistics:
@@ -48,7 +100,7 @@ class WallStatistics:
     surfaces: where the surface may be: place, its standard deviation [m], probability
     x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
     scale, seconds: K_e [N/m] and B_e / K_e [s] for the priors
-    replaced: the wall before the first change since a touch; None without one
+    same: the wall before the last change where the zero may have stepped instead, else None
     """
 
     def __init__(self, location: float, std: float) -> None:
@@ -60,7 +112,7 @@ class WallStatistics:
         self.x0 = location if location == location else 0.0
         self.depth, self.scatter, self._depth_s = 1e-3, 0.0, 0.0
         self.scale, self.seconds = 1e3, DAMPING_S
-        self.replaced: Replaced | None = None
+        self.same: SameWall | None = None
 
     def look_near(self, surface: float, std: float) -> None:
         """Expect the surface at a place [m]."""
@@ -82,6 +134,8 @@ class WallStatistics:
         self.depth += gain * off
         self.gram *= fade
         self.gram += gram
+        if self.same is not None:
+            self.same.fade(fade)
         self.runs.add(gram, fade, seconds)
         self.moving.add(gram, fade, seconds, self.scale)
         self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
@@ -93,9 +147,8 @@ class WallStatistics:
         self.gram = table @ self.gram @ table.T
         self.moving.move(table)
         self.runs.move(table)
-        if self.replaced is not None:
-            gram = table @ self.replaced.gram @ table.T
-            self.replaced = self.replaced._replace(gram=gram)
+        if self.same is not None:
+            self.same.move(table)
         self.x0 += delta
         self.depth = max(self.depth - delta, 1e-5)
         return self.depth
@@ -134,40 +187,74 @@ class WallStatistics:
 
     # -- changes ----------------------------------------------------------------------------
 
-    def commit(self, change: Change, best: int, scene: Scene, gap: float) -> bool:
+    def commit(self, change: Change, best: int, law: int, scene: Scene, gap: float) -> Replaced:
         """
-        Drop the wall before a change; what was told of laws and motion stays a prior.
+        Drop the wall before a change and return it; its laws and motion stay a prior.
 
+        law: index of the one that was judged
         gap: log odds of a moving wall, at most 0
-        Returns other: whether the wall is another, not the zero of the sensor
         """
         centre, std = float(change.centre[best]), float(change.std[best])
-        other = not change.shifted[best]
+        other = not change.shift[best]
         gram = self.runs.commit(int(change.run[best]))
         before = self.gram - gram
-        if self.replaced is None:
-            self.replaced = Replaced(before, self.odds, self.surfaces, self.scale, self.seconds,
-                                     self.depth, centre - OUTSIDE * std)
+        replaced = Replaced(other, self.x0, before, self.odds, self.surfaces, self.scale,
+                            self.seconds, self.depth, centre - OUTSIDE * std)
+        surface = self.surfaces[change.place[best]]
         if other:
-            surface = self.surfaces[change.place[best]]
             evidence = judge(np.repeat(before[None], len(NAMES), axis=0), scene, hypotheses(
                 np.arange(len(NAMES)), [surface], self.scale)).evidence
             self.odds = np.maximum(
                 self.odds + evidence - float(evidence[:MOVING].max()), LOG_PRIOR - _FARTHEST)
+            self._doubt(change, best, before, hypotheses(np.array([law]), [surface], self.scale))
+            self._go_on(gram, centre, std, gap)
         else:
-            gram = shifted(gram + before[None], before[None], force_step(
-                np.array([self.scale]), self.depth))[0][0]
-            std = max(self.depth, std)
+            self.same = None
+            self._go_on(shifted(gram + before, before[None], change.shift[best:best + 1])[0][0],
+                        centre, max(self.depth, std), gap)
+        return replaced
+
+    def _go_on(self, gram: Array, centre: float, std: float, gap: float) -> None:
+        """Use other data, and a surface that is there or elsewhere."""
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.surfaces = [(centre, std, STILL_THERE), (centre, max(self.depth, std), ELSEWHERE)]
         if self._told == self._told:
             self.surfaces.append((self._told, EXACT_SURFACE_M, 1.0 - STILL_THERE))
-        return other
+
+    def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
+        """Keep the wall before a change, in case the zero has stepped instead."""
+        again = np.where(change.shift, change.odds, -inf)
+        k = int(again.argmax())
+        if again[k] == -inf:
+            self.same = None
+        elif self.same is not None and self.same.odds > 0.0:
+            self.same.step_again(before, float(again[k] - change.odds[best]))
+        else:
+            self.same = SameWall(before, what, float(change.shift[k]),
+                                 float(again[k] - change.odds[best]))
+
+    def judge_same(self, scene: Scene, evidence: float) -> tuple[float, Judged, int]:
+        """
+        Judge whether the zero has stepped instead of the wall; decide where that is certain.
+
+        evidence: of the wall as it is since then
+        Returns share, judged, law: probability, coefficients, and index of the law
+        """
+        same = self.same
+        assert same is not None
+        judged = same.judge(self.gram, scene, evidence)
+        if same.odds > COMMIT:
+            self._go_on(same.data(self.gram, of_now=False)[0], float(same.what.centre[0]),
+                        max(self.depth, float(same.what.std[0])), 0.0)
+        if not log(UNLIKELY) < same.odds < COMMIT:
+            self.same = None
+        return 1.0 / (1.0 + exp(-max(same.odds, -50.0))), judged, int(same.what.law[0])
 
     def put_back(self, before: Replaced) -> None:
         """Put the wall before a change back, since what has changed was the zero."""
-        (self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth, _) = before
-        self.replaced = None
+        (_, self.x0, self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth,
+         _) = before
+        self.same = None
         self.runs.clear()
         self.moving.restart(self.gram, float(self.odds[:MOVING].max()))
