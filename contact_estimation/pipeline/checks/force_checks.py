@@ -42,7 +42,9 @@ class ForceSign(Check):
         if seen.spread < CLEAR * seen.noise or abs(seen.slope_sign) < _RELATED:
             return None
         low, high = extremes(seen.force - _level_outside(seen))
-        pulls = low > -_PULLS_LESS * seen.noise and not seen.contact.any()
+        # A contact beside a bias pulls as little; but where free flight read nothing, none is.
+        unbiased = seen.memory['least_force'][0] < LOADED * seen.noise
+        pulls = low > -_PULLS_LESS * seen.noise and (unbiased or not seen.contact.any())
         if slope < 0.0:
             return self._pulled(high, seen) if pulls and high > CLEAR * seen.noise else ''
         if pulls:
