@@ -98,6 +98,8 @@ def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
     """
     evidence = seen.compared.evidence
     ports = {EFFECTS[name].port for name in chosen.effects}
+    if chosen.found.found.model.laws().robot.joint is not None:
+        ports.add('contact')  # what touches the wall moves otherwise than what is measured
     force, motion = errors_of(tested.parts)
     shown = []
     if ports != {'robot'}:
@@ -207,7 +209,7 @@ class _Conclusion:
         return 'consistent' if gain < price else 'recalibrate'
 
     def _effects(self) -> list[NamedEffect]:
-        """Describe the names: the most certain first, in tenths, then the largest share."""
+        """Describe the names: first what is expected to explain most."""
         model, names = self._named.model, {one.effect: one for one in self._named.names}
         if not names:
             return []
@@ -230,8 +232,7 @@ class _Conclusion:
                 effect, cls.family, cls.port, cls.equation, names[effect].probability,
                 share.share, share.interval, on_parts, parameters, names[effect].alike,
                 locate(self._shown, before.found.found.model, cls), beside))
-        by_share = ranked_by(found, lambda one: -one.share)
-        return ranked_by(by_share, lambda one: -round(one.probability, 1))
+        return ranked_by(found, lambda one: -one.probability * one.share)
 
     def _location(self, verdict: str, effects: Sequence[NamedEffect]) -> Location | None:
         """Locate what the recalibrated model lacks."""

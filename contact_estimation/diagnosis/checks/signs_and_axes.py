@@ -147,7 +147,7 @@ def length_unit(evidence: Evidence) -> Finding:
     share = evidence.of_wall.slope
     return Finding(False, f'x travels {travel:.3g} m, and the force is {share:.2g} times what the '
                           'nominal model predicts, expected about 1: the lengths seem to be in '
-                          f'{unit}; record metres')
+                          f'{unit}; record metres, or name the units of a table by --units')
 
 
 def force_unit(evidence: Evidence) -> Finding:
@@ -165,9 +165,9 @@ def force_unit(evidence: Evidence) -> Finding:
         return _of_magnitude(evidence, text)
     other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
              'lbf': ' (or on another axis, or its gain is wrong)',
-             'mN': ' (or in nN, positions in um)'}.get(unit, '')
+             'mN': ' (or in nN and positions in um, or in pN and nm)'}.get(unit, '')
     return Finding(False, f'{text}, expected about 1: it seems to be in {unit}{other}; record '
-                          'newtons')
+                          'newtons, or name the units of a table by --units')
 
 
 def _of_magnitude(evidence: Evidence, text: str) -> Finding:

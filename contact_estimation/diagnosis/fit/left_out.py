@@ -130,7 +130,7 @@ def _between(
 Array = NDArray[np.float64]
 
 _LOOSE = 3.0  # typical sizes of a value: standard deviation of its prior
-_SUSPICIOUS = 3.0  # times the error as fitted: a prediction that may be no longer linear
+_SUSPICIOUS = 3.0  # times the error as fitted, or a part of it: a step that may not be linear
 _DAMPING = (0.0, 0.01, 0.1, 1.0, 10.0)  # of a step, of the normal matrix (Marquardt 1963)
 _USUAL = 0.455  # median of a squared normal error, in its mean
 
@@ -199,7 +199,8 @@ class Linearised:
             change = self._step(normal - of_part, gradient - pull)
             errors = self.here[part.there] + self.jacobian[part.there] @ change
             squares[k] = self._mean_squares(part, errors)
-            if np.any(squares[k] > _SUSPICIOUS * np.maximum(self.fitted[k], 1.0)):
+            ratio = np.maximum(squares[k], 1.0) / np.maximum(self.fitted[k], 1.0)
+            if np.any(np.maximum(ratio, 1.0 / ratio) > _SUSPICIOUS):
                 squares[k] = self._mean_squares(part, self._stepped(
                     part, normal - of_part, gradient - pull))
         return squares

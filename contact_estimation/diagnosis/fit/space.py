@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from .constants import CONSTANTS
 from .discrepancy import CHANNELS, force_of_motion, weighed
 from .evidence import Evidence, prior, ranked, Scored, ZEROS
-from .fitting import Fit, fit, fit_at
+from .fitting import Fit, fit, fit_at, fit_to_end
 from .left_out import Linearised, Part, parts_of
 from .screening import measure_scales, Screening, Step
 from ..observe.model import Model
@@ -145,7 +145,7 @@ class ContactModels:
         self._plain, self._progress = recordings, progress
         self._driven = any(one.driven_by_force(base.model) for one in recordings)
         self._common = weighed(recordings, leaves or base.model)
-        self._base = fit(self._common, base.model)
+        self._base = fit_to_end(self._common, fit(self._common, base.model))
         alike = parts and len(parts[0].there) == len(self._base.residuals)
         self.parts = parts if alike else parts_of(self._common, self._base)
 
