@@ -71,7 +71,7 @@ def sdf_xml(model: PlantParameters) -> str:
     wall = model.environment
     return f"""<!-- {_expressed(model)}
      Give the collisions of tool and wall the same surface. DART ignores kp and kd. One
-     contact point: set max_contacts to 1. no force along the normal tells mu: measure it. -->
+     contact point: set max_contacts to 1. No force along the normal tells mu: measure it. -->
 <surface>
   <contact>
     <ode>

@@ -31,12 +31,14 @@ class Segment:
         self.seconds = 0.0
         self._x: list[float] = []
         self._f: list[float] = []
+        self._known: tuple[int, float, float, float, float] | None = None
 
     def add(self, seconds: float, x: Floats, f: Floats) -> None:
         """Add samples, after which so much time has passed [s]."""
         self.seconds = seconds
         self._x.extend(x)
         self._f.extend(f)
+        self._known = None
 
     @property
     def count(self) -> int:
@@ -53,11 +55,13 @@ class Segment:
         """Return count, mean force, and the centred sums of x^2, x f and f^2."""
         if not self._x:
             return 0, 0.0, 0.0, 0.0, 0.0
-        both = np.array([self._x, self._f])
-        mean = both.mean(axis=1, keepdims=True)
-        both -= mean
-        (xx, xf), (_, ff) = (both @ both.T).tolist()
-        return len(self._x), float(mean[1, 0]), xx, xf, ff
+        if self._known is None:
+            both = np.array([self._x, self._f])
+            mean = both.mean(axis=1, keepdims=True)
+            both -= mean
+            (xx, xf), (_, ff) = (both @ both.T).tolist()
+            self._known = len(self._x), float(mean[1, 0]), xx, xf, ff
+        return self._known
 
     def mean(self, noise: float) -> tuple[float, float]:
         """Return the mean force [N] and its variance, given that of a sample [N^2]."""
