@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+import sys
 from typing import Any, Iterable, Sequence
 
 import yaml
@@ -32,6 +33,14 @@ def printable(text: str) -> str:
         half = _MOST_PRINTED // 2
         text = f'{text[:half]} ({len(text) - 2 * half} characters left out) {text[-half:]}'
     return text
+
+
+def print_help(text: str) -> None:
+    """Print a text of which the reader may want the beginning alone, as `| head` does."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the last flush
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:

@@ -169,6 +169,17 @@ def test_help_of_a_command_explains_every_option(module: str) -> None:
                for action in parser._actions for option in action.option_strings)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize('name', ['estimator_node', 'simulate'])
+def test_help_may_be_cut_off_by_its_reader(name: str) -> None:
+    command = [sys.executable, '-m', 'contact_estimation.executables', name, '--help']
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, '')
+
+
 def test_every_file_starts_with_the_copyright_header() -> None:
     header = Path(__file__).read_text().partition('\n\n')[0]
     assert header.startswith('# Copyright 2026 contact_estimation authors\n')

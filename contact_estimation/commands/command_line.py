@@ -25,11 +25,15 @@ from ..recordings.columns import KEYS
 from ..recordings.recorded_signals import FIRST
 from ..recordings.source import RecordingSource, TOPICS
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..texts import printable
+from ..texts import print_help, printable
 
 
 class Parser(argparse.ArgumentParser):
     """Argument parser that exits with 1 and one line on a usage error."""
+
+    def print_help(self, file: Any = None) -> None:
+        """Print the help, or its beginning where the reader wants no more."""
+        print_help(self.format_help().rstrip())
 
     def error(self, message: str) -> NoReturn:
         """Print the message on one line and exit."""

@@ -24,6 +24,7 @@ from .topics import JOINT_STATES, REFERENCE, TF, WRENCH
 from ..exceptions import ContactEstimationError
 from ..parameters import ParameterSpecification, value_text
 from ..pipeline.parameters import EstimationParameters
+from ..texts import print_help
 
 _AGAIN_S = 10.0  # a warning that stays is repeated after this time
 _QUIET_S = 1.0  # between two changes of state
@@ -105,7 +106,7 @@ def run_node(
     """Run a node until it has finished or is interrupted."""
     arguments = list(sys.argv[1:] if args is None else args)
     if '--help' in arguments or '-h' in arguments:
-        print(help_text(purpose, known, topic))
+        print_help(help_text(purpose, known, topic))
         return 0
     # rclpy.init needs a directory for its logs.
     if 'HOME' not in os.environ:
