@@ -105,20 +105,10 @@ class Errors:
 
     def explained(self, noise: float, least: float) -> float | None:
         """
-        Return the share of a misfit that the names explain.
+        Return the share of a misfit that the names explain, given the error of a correct one.
 
-        Parameters
-        ----------
-        noise : float
-            Error of a correct model.
-        least : float
-            Error of the recalibrated model, below which a misfit is not shown.
-
-        Returns
-        -------
-        share : float or None
-            None where no misfit is shown, unless the names more than double what there is of it.
-
+        None where the recalibrated model's error is below `least`, so that no misfit is shown,
+        unless the names more than double what there is of it.
         """
         if self.recalibrated is None or self.corrected is None:
             return None

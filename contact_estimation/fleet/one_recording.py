@@ -93,11 +93,7 @@ _VALUES = ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'model_fit')
 
 
 class Episodes:
-    """
-    Collect the contacts of a stream of estimates.
-
-    first_ns, last_ns: stamps of the first and last sample [ns]
-    """
+    """Collect the contacts of a stream of estimates, and its first and last stamp [ns]."""
 
     def __init__(self) -> None:
         self.first_ns: int | None = None

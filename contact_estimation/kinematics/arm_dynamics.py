@@ -106,13 +106,7 @@ class ArmDynamics:
         return np.asarray(self._library.integrate(self.model, self._zero, q)) if self._turns else q
 
     def torque(self, q: Array, v: Array, a: Array) -> Array:
-        """
-        Return RNEA(q, q', q'') along a motion.
-
-        q, v, a (N, n): positions, velocities and accelerations of the joints [rad], [rad/s],
-        [rad/s^2]
-        Returns tau (N, n): torques [N m]
-        """
+        """Return RNEA(q, q', q'') [N m] along a motion, all of shape (N, n)."""
         rnea, model, data = self._library.rnea, self.model, self.data
         return np.array([rnea(model, data, self.configuration(x), y, z)
                          for x, y, z in zip(q, v, a)])
@@ -144,15 +138,10 @@ class ArmDynamics:
 
     def apparent_mass(self, q: Array, frame: str, normal: Array) -> Array:
         """
-        Return the mass that a link has along a direction: 1 / (n . J M^-1 J^T n).
+        Return the mass (N,) [kg] of a link along n (3,) of the root: 1 / (n . J M^-1 J^T n).
 
         O. Khatib, A unified approach for motion and force control of robot manipulators, IEEE J.
         Robotics and Automation 3(1), 1987, eq. (19).
-
-        q (N, n): [rad]
-        frame: A link
-        normal (3,): unit vector in axes of the root
-        Returns mass (N,): [kg]
         """
         along = np.einsum('nij,j->ni', self.axes(q, frame).transpose(0, 2, 1), normal)
         rows = np.einsum('nij,ni->nj', self.jacobian(q, frame)[:, :3], along)
@@ -188,13 +177,7 @@ class ArmDynamics:
         return np.asarray(np.triu(M) + np.triu(M, 1).T)
 
     def momentum(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """
-        Return the generalised momentum and its rate at one instant.
-
-        Returns p (n,): (M + diag(armature)) q'
-        Returns rate (n,): c^T q' - g: p' without the torques on the joints, since M' = C + C^T [N
-        m]
-        """
+        """Return p = (M + diag(armature)) q', and c^T q' - g: p' less torques, as M' = C + C^T."""
         pin, x = self._library, self.configuration(q)
         M = self._inertia(x)
         C = pin.computeCoriolisMatrix(self.model, self.data, x, v)

@@ -136,12 +136,7 @@ def _smoothed(centres: Array, times: Array, values: Array, continuous: bool) -> 
 
 
 def _motion(model: RobotModel, q: Array, mount: Array) -> tuple[Array, Array, Array, Array]:
-    """
-    Return f, w, alpha in the sensor's frame and the acceleration of its origin.
-
-    From the poses at begin, middle and end of each block, by central differences.
-
-    """
+    """Return f, w, alpha and acceleration of the sensor, by differences over each block."""
     poses = [[model.pose(q[:, k, n]) for k in range(3)] for n in range(q.shape[2])]
     R = np.array([[pose[0] @ mount for pose in block] for block in poses])  # (N, 3, 3, 3)
     p = np.array([[pose[1] for pose in block] for block in poses])  # (N, 3, 3)

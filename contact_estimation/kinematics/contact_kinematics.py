@@ -60,15 +60,9 @@ class ContactKinematics:
     A normal given in the tip's frame follows the tip while `held` is False, and stays as it is in
     the base frame while `held` is True: in contact, so that x is one coordinate.
 
-    model: from base to tip
-    contact: normal and point
-    tool: load of the tool on the sensor
     force_sign: -1 where the driver publishes the wrench that the robot applies
     mount: roll, pitch and yaw of the sensor's axes in its link [rad]
     in_base: whether the driver expresses the wrench in axes of the base instead
-    model: as given
-    state: of the last sample
-    held: see above
     sensor: link in whose axes the wrench is measured, see `use_sensor`; '' before
     """
 
@@ -99,13 +93,7 @@ class ContactKinematics:
     def use_sensor(
         self, frame: str, mounting: Array | None = None, offset: Array | None = None
     ) -> None:
-        """
-        Set the link in whose axes the wrench is measured.
-
-        frame: A link of the description
-        mounting (3, 3): axes of the sensor in that link; those of the link by default
-        offset (3,): origin of the sensor in that link [m]; that of the link by default
-        """
+        """Set the link of the wrench, and axes (3, 3) and origin (3,) [m] of the sensor in it."""
         fixed = self.model.in_tip(frame)
         self._axes = self._mount if mounting is None else mounting @ self._mount
         self._offset = offset
@@ -132,23 +120,14 @@ class ContactKinematics:
         return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
 
     def components(self, place: int) -> tuple[float, float, float]:
-        """
-        Return the force of the last sample in axes of the wall.
-
-        Returns components: that along the normal, and two along the wall [N]
-        """
+        """Return the last force along the normal and two axes of the wall [N], rotated."""
         if self._wall is None:
             self._wall = axes_of_wall(self._normal)
         x, y, z = (self._wall @ self._force).tolist()
         return ((x, y, z), (z, x, y), (y, z, x))[place]
 
     def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
-        """
-        Return the pose of the tip, and x and v of the contact.
-
-        Returns R, p: pose of the tip in the base frame [m]
-        Returns x, v: position [m] and velocity [m/s] along the normal
-        """
+        """Return R and p of the tip in the base [m], and x [m] and v [m/s] along the normal."""
         count = len(motion) // 2
         q, q_dot = np.array(motion[:count], float), np.array(motion[count:], float)
         measured = not np.isnan(q_dot).any()

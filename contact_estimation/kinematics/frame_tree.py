@@ -80,12 +80,7 @@ class _TransformsLayout(Layout):
 
 
 def rotated(pose: Pose, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """
-    Return a vector of the child in the axes of the parent.
-
-    v' = v + w t + u x t with t = 2 u x v, u the vector part of the quaternion.
-
-    """
+    """Return v + w t + u x t with t = 2 u x v: v of the child in axes of the parent, by (u, w)."""
     a, b, c, w = pose[3], pose[4], pose[5], pose[6]
     t, u, s = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
     return (x + w * t + b * s - c * u, y + w * u + c * t - a * s, z + w * s + a * u - b * t)

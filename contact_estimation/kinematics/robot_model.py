@@ -93,14 +93,7 @@ class RobotModel:
             and low[joint.idx_q] < high[joint.idx_q] < 1e9}
 
     def pose(self, q: Sequence[float] | Array, frame: str | None = None) -> Pose:
-        """
-        Return the pose of a frame in the base frame.
-
-        q (n,): positions of the joints [rad] or [m]
-        frame: A link; the tip by default
-        Returns R (3, 3): its axes as columns: a vector f of the frame is R f in the base frame
-        Returns p (3,): its origin [m]
-        """
+        """Return axes, as columns (3, 3), and origin (3,) [m] of a frame (the tip) in the base."""
         place = self._tip if frame is None else self._place(frame)
         self._library.forwardKinematics(self._model, self._data, self._configuration(q))
         return self._in_base(place)
@@ -108,16 +101,7 @@ class RobotModel:
     def velocity(
         self, q: Sequence[float] | Array, q_dot: Sequence[float] | Array
     ) -> tuple[Array, Array, Array, Array]:
-        """
-        Return pose and velocity of the tip in the base frame.
-
-        The velocities are J(q) q_dot with `jacobian`, at the cost of one recursion.
-
-        q, q_dot (n,): positions and velocities of the joints [rad], [rad/s] or [m], [m/s]
-        Returns R, p: as `pose`
-        Returns p_dot (3,): velocity of the tip's origin [m/s]
-        Returns omega (3,): angular velocity of the tip [rad/s]
-        """
+        """Return R, p, and J(q) q_dot: p' [m/s] and omega [rad/s], of the tip in the base."""
         pin, model, data = self._library, self._model, self._data
         pin.forwardKinematics(model, data, self._configuration(q), np.asarray(q_dot, float))
         twist = pin.getFrameVelocity(model, data, self._tip, self._aligned)
@@ -127,26 +111,14 @@ class RobotModel:
         return R, p, self._from_root @ twist.linear, self._from_root @ twist.angular
 
     def jacobian(self, q: Sequence[float] | Array, frame: str | None = None) -> Array:
-        """
-        Return the Jacobian of a frame's origin in base axes.
-
-        q (n,): positions of the joints [rad] or [m]
-        frame: A link; the tip by default
-        Returns J (6, n): j q_dot is the velocity of the frame's origin [m/s], then its angular
-        velocity [rad/s]
-        """
+        """Return J (6, n) of the origin of a frame (the tip) in base axes, linear rows first."""
         place = self._tip if frame is None else self._place(frame)
         J = self._library.computeFrameJacobian(
             self._model, self._data, self._configuration(q), place, self._aligned)
         return np.vstack([self._from_root @ J[:3], self._from_root @ J[3:]])
 
     def in_tip(self, frame: str) -> Pose | None:
-        """
-        Return the pose of a frame that is fixed to the tip.
-
-        Returns R, p: its axes and origin [m] in the tip's frame; None where a joint lies between
-        them
-        """
+        """Return axes and origin [m] of a frame in the tip's; None where a joint lies between."""
         other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))
         if other.parentJoint != tip.parentJoint:
             return None

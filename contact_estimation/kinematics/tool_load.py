@@ -70,28 +70,13 @@ class ToolParameters(ParameterGroup):
 
 
 def specific_force(R: Array, acceleration: Array | None = None) -> Array:
-    """
-    Compute f = R^T (g - a): the weight per mass as the sensor feels it.
-
-    R (..., 3, 3): orientation of the sensor: turns its frame into one whose z points up
-    acceleration (..., 3): of the sensor's origin, in the frame whose z points up [m/s^2]; none by
-    default
-    Returns f (..., 3): in the sensor's frame [m/s^2]
-    """
+    """Compute f = R^T (g - a), (..., 3): the weight per mass as the sensor feels it [m/s^2]."""
     rest = _G if acceleration is None else _G - acceleration
     return np.einsum('...ji,...j->...i', R, rest)
 
 
 def load_regressor(f: Array, w: Array | None = None, alpha: Array | None = None) -> Array:
-    """
-    Compute the matrix that turns (m, m c, b_F, b_T) into the wrench of the tool.
-
-    f (..., 3): as of `specific_force` [m/s^2]
-    w, alpha (..., 3): angular velocity [rad/s] and acceleration [rad/s^2] of the sensor in its own
-    frame; 0 by default
-    Returns Phi (..., 6, 10): rows: force and torque; columns: m [kg], m c [kg m], b_F [N], b_T [N
-    m]
-    """
+    """Compute Phi (..., 6, 10), which turns (m, m c, b_F, b_T) into the wrench of the tool."""
     Phi = np.zeros((*f.shape[:-1], 6, 10))
     Phi[..., :3, 0] = f
     if alpha is not None:
@@ -112,12 +97,7 @@ def load_vector(tool: ToolParameters) -> Array:
 
 
 def load_map(tool: ToolParameters) -> tuple[Array, Array]:
-    """
-    Return the load as an affine function of f, for compensation sample by sample.
-
-    Returns L (6, 3): the wrench of the tool without rotation is L f + bias [kg], [kg m]
-    Returns bias (6,): zero of the sensor [N], [N m]
-    """
+    """Return L (6, 3) and bias (6,): without rotation the tool's wrench is L f + bias."""
     theta = load_vector(tool)
     bias = load_regressor(np.zeros(3)) @ theta
     return (load_regressor(np.eye(3)) @ theta - bias).T, bias

@@ -50,11 +50,7 @@ class MovingFrames:
         return [frame for frame, rows in self._rows.items() if not rows]
 
     def add(self, transforms: Iterable[StampedTransform]) -> list[Row]:
-        """
-        Add the transforms of a message.
-
-        Returns rows: stamp [ns], and 7 numbers of each frame
-        """
+        """Add a message; return rows: stamp [ns], and 7 numbers of each frame."""
         added = False
         for stamp_ns, _, child, pose in transforms:
             rows = self._rows.get(child)
@@ -146,13 +142,7 @@ class TransformModel:
                 and np.array_equal(self.root_axes, other.root_axes))
 
     def pose(self, q: Sequence[float] | Array, frame: str | None = None) -> tuple[Array, Array]:
-        """
-        Return the pose of a frame in the base frame.
-
-        q (7 n,): poses of the moving frames
-        frame: A frame; the tip by default
-        Returns R, p: its axes as columns, and its origin [m]
-        """
+        """Return axes, as columns, and origin [m] of a frame (the tip) in the base; q (7 n,)."""
         pose = self._product(self._steps_to(frame or self.tip), np.asarray(q).tolist())
         return matrix_of(pose), np.array(pose[:3])
 
@@ -164,12 +154,7 @@ class TransformModel:
         return (*self.pose(q), unknown, unknown)
 
     def in_tip(self, frame: str) -> tuple[Array, Array] | None:
-        """
-        Return the pose of a frame that is fixed to the tip.
-
-        Returns R, p: its axes and origin [m] in the tip's frame; None where a moving frame lies
-        between them
-        """
+        """Return a frame's axes and origin [m] in the tip's; None if a moving one lies between."""
         self._steps_to(frame)
         steps = self._tree.path(self.tip, frame) or []
         if any(step.child for step in steps):

@@ -90,11 +90,6 @@ PhysicsParameters.__doc__ = 'Effects by name; all off by default.'
 def effects_that_are_on(
     physics: ParameterGroup, sign_velocity: float = SIGN_VELOCITY
 ) -> list[Effect]:
-    """
-    Return the effects whose parameters are given.
-
-    physics: all effects; NaN means off
-    sign_velocity: width of the smooth sign of a velocity [m/s]
-    """
+    """Return the effects that are given (NaN: off), with the width of sgn(v) [m/s]."""
     effects: list[Effect] = [getattr(physics, name) for name in EFFECTS]
     return [effect.with_sign(sign_velocity) for effect in effects if effect.is_on()]

@@ -15,11 +15,7 @@ NECK = 1.5e-3
 
 @dataclass(frozen=True)
 class Adhesion(ContactEffect):
-    """
-    The wall sticks to the tool and pulls it back on withdrawal.
-
-    In contact F_e <= F_a; then, withdrawing, F_e = F_a (1 + d / 1.5 mm) until d = -1.5 mm.
-    """
+    """The wall sticks to the tool and pulls it back on withdrawal."""
 
     F_a: float = optional_parameter('Largest pull of the wall', 'N', minimum=0.0)
 

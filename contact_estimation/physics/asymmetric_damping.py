@@ -14,11 +14,9 @@ class AsymmetricDamping(ContactEffect):
     """
     Damping that differs between the two directions of motion.
 
-    The damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
-
-    A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
-    2007); colliding structures damp their approach (Jankowski 2005). No direction is driven:
-    |B_a| <= B_e.
+    B_e + B_a for v > 0, B_e - B_a for v < 0. A shock absorber damps rebound more than compression
+    (Dixon, The Shock Absorber Handbook, 2007); colliding structures damp their approach (Jankowski
+    2005). No direction is driven: |B_a| <= B_e.
     """
 
     B_a: float = optional_parameter(

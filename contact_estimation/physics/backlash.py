@@ -16,14 +16,10 @@ TOLERANCE = 0.05
 
 def played(steps: Array, half: float) -> Array:
     """
-    Return the sum of steps that stops at two ends, z = min(half, max(-half, z + step)).
+    Return z (N,) of z = min(half, max(-half, z + step)) from 0, for steps (N,) and half >= 0.
 
     Two such maps in a row are one, min(high, max(low, z + shift)): all sums of 2, 4, 8 ... steps
     follow from one another (Hillis and Steele 1986).
-
-    steps (N,): from z = 0
-    half: distance of the ends from 0, >= 0
-    Returns z (N,): after each step
     """
     shift, low, high = steps.copy(), np.full(len(steps), -half), np.full(len(steps), half)
     reach = 1

@@ -87,12 +87,7 @@ class Compensation:
         return self._wall.forces(surface, count) if self._wall.acts else [0.0] * count
 
     def take(self, sample: ContactSample, location: float, pressing: float) -> CompensatedSample:
-        """
-        Process one sample.
-
-        location: x_e nominal [m]; NaN: not known yet
-        pressing: -F_e less the tare [N]
-        """
+        """Process a sample, with x_e nominal [m], NaN until known, and -F_e less the tare [N]."""
         now, regular = self._motion(sample)
         terms = self._wall.take(now, location)
         tool = self._late(now.t, now.dt, self._tool * now.acceleration)

@@ -13,8 +13,6 @@ class DmtAdhesion(Adhesion):
     """
     The wall attracts the tool while they touch, until it is pulled off.
 
-    In contact F_e += F_a; then, withdrawing, F_e = F_a (1 + d / reach) until d = -reach.
-
     Derjaguin, Muller and Toporov, J. Colloid and Interface Science 53, 1975: attraction adds to
     the elastic force without changing it. The liquid neck between wet surfaces pulls alike.
     """

@@ -111,9 +111,6 @@ class Effect(ParameterGroup):
 
         By default what shapes the law lies between two neighbouring starts of the prior, and what
         it is linear in grows from its neutral value until the first parameter is the largest.
-
-        Returns strength: from a magnitude, 0 (absent) to 1 (largest plausible), to parameters by
-        name
         """
         starts, largest, either_sign = cls.prior(scales)
         neutral, linear = cls.neutral(), cls.linear()
@@ -128,11 +125,7 @@ class Effect(ParameterGroup):
                           if name in linear else value for name, value in values.items()}
 
     def is_possible(self, stiffness: float, damping: float) -> bool:
-        """
-        Return whether parameters, each within its range, are physically possible together.
-
-        stiffness, damping: K_e [N/m] and B_e [N s/m] of the wall
-        """
+        """Return whether parameters are possible together, beside K_e [N/m] and B_e [N s/m]."""
         return True
 
     def may_show(self, seen: Seen) -> bool:

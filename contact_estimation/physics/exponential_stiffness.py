@@ -14,11 +14,7 @@ _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 
 @dataclass(frozen=True)
 class ExponentialStiffness(ContactEffect):
-    """
-    The stiffness of the wall rises exponentially with the depth (soft tissue).
-
-    No stiffness is added at d = 0.
-    """
+    """The stiffness of the wall rises exponentially with the depth (soft tissue)."""
 
     A: float = optional_parameter('Scale of the force', 'N', minimum=0.0)
     depth: float = optional_parameter(

@@ -15,9 +15,7 @@ class HuntCrossleyDamping(ContactEffect):
     """
     Damping of the wall proportional to depth, without a force step at touch-down.
 
-    chi d^n v together with power_law_stiffness.
-
-    Hunt and Crossley (1975).
+    chi d^n v together with power_law_stiffness. Hunt and Crossley (1975).
     """
 
     chi: float = optional_parameter('Damping per unit depth', 'N s/m^2', minimum=0.0)

@@ -123,22 +123,9 @@ class JointEffect:
 
     def columns(self, motion: JointMotion, place: Place, shape: Any = 0.0) -> dict[int, Array]:
         """
-        Return the torque per unit of each coefficient.
+        Return the torque per unit of each coefficient, (N, K) [N m], by joint where it is not 0.
 
-        Parameters
-        ----------
-        motion : JointMotion
-            N samples; a single one in a simulation.
-        place : Place
-            Of the kind `self.place`.
-        shape : float
-            Value in which the law is not linear; 0 without one.
-
-        Returns
-        -------
-        columns : dict of int to ndarray, shape (N, K)
-            By joint, where they are not 0 [N m].
-
+        The place is of the kind `self.place`; shape: value in which the law is not linear.
         """
         found = self.law(motion, place, shape)
         if isinstance(found, Mapping):

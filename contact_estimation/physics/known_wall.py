@@ -127,12 +127,7 @@ class KnownWall:
         return kept
 
     def forces(self, surface: float, count: int) -> list[float]:
-        """
-        Return the known force of a wall on the last samples, had it been first met at some place.
-
-        surface: where the wall is met, while its location is not known [m]
-        Returns forces: what adds to its spring and damper [N], with that of its inertia
-        """
+        """Return the known force [N], with inertia, of the last samples if met at `surface`."""
         location, kept = self.nominal(surface), list(self._kept)
         terms = [self._next(moved, location) for moved in kept[-count - _APPROACH:]][-count:]
         gates = [1.0 if self._memories or own.depth > 0.0 else 0.0 for own in terms]
@@ -140,12 +135,7 @@ class KnownWall:
         return [own.inertial_force + gate * own.force for own, gate in zip(terms, gates)]
 
     def nominal(self, surface: float) -> float:
-        """
-        Return x_e nominal of a wall that was first met elsewhere, where an effect displaces it.
-
-        surface: where the wall was met while its location was not known [m]
-        Returns location: x_e [m]
-        """
+        """Return x_e nominal [m] of a wall first met at `surface`, where effects displace it."""
         touched = [k for k, moved in enumerate(self._kept) if moved.x <= surface]
         if not touched:
             return surface

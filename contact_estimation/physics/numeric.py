@@ -80,14 +80,7 @@ class Motion(NamedTuple):
 
 
 def motion_of(d: Array, v: Array, h: float, touches_down: bool) -> Motion:
-    """
-    Return one stretch of contact.
-
-    d, v (N,): penetration [m] and its rate [m/s]
-    h: sample period [s]
-    touches_down: whether the tool came from free flight between the sample before and the first
-    one
-    """
+    """Return a stretch of contact, (N,) [m], [m/s], [s]; touches_down: it follows free flight."""
     first = float(d[0])
     before = max(0.0, first - abs(float(v[0])) * h) if touches_down else first
     return Motion(d.tobytes(), v.tobytes(), before, h)

@@ -31,12 +31,7 @@ class Joint(NamedTuple):
         return 2.0 * self.damping_ratio * sqrt(self.mass / self.compliance)
 
     def force(self, bent: Any, rate: Any) -> Any:
-        """
-        Return the force with which the motor pushes the link.
-
-        bent, rate (N,): position of the motor less that of the link [m], and its rate [m/s]
-        Returns force (N,): f [N]
-        """
+        """Return f (N,) [N] from how far the motor leads the link [m], and how fast [m/s]."""
         return self.stiffness * bent + self.damping * rate
 
 

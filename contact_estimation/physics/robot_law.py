@@ -25,10 +25,8 @@ class RobotLaw:
     the reference delayed by `reference_delay`, F_r with force tracking only. With a joint the
     force drives the motor, and the joint drives the link.
 
-    mass, damping, stiffness: M_t [kg], B_t [N s/m], K_t [N/m]
     mass: moving mass [kg], motor and link
     damping, stiffness: of the impedance law [N s/m], [N/m]
-    reference_delay: delay of the reference [s]
     states: number of internal states: position [m] and velocity [m/s] of the motor with a joint,
     then f [N] with a lag of the drives
     """
@@ -50,13 +48,7 @@ class RobotLaw:
         self._drags = [effect for effect in arm if 'drag' in effect.changes]
 
     def impedance_force(self, x: Any, v: Any, reference: Any) -> Any:
-        """
-        Evaluate the impedance law.
-
-        x, v (N,): position [m] and velocity [m/s]
-        reference (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
-        Returns u (N,): force commanded to the drives [N]
-        """
+        """Return u (N,) [N] at x, v (N,) for a reference (4, N): x_r, its rates, F_r (0: none)."""
         x_r, v_r, a_r, F_r = reference
         return (self._feed_forward * a_r - self.damping * (v - v_r)
                 - self.stiffness * (x - x_r) + F_r)

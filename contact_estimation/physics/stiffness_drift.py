@@ -9,11 +9,7 @@ from .law import ContactEffect, Need, Number, optional_parameter, Prior, Scales
 
 @dataclass(frozen=True)
 class StiffnessDrift(ContactEffect):
-    """
-    The stiffness of the wall increases or decreases linearly with time.
-
-    In the linear term alone.
-    """
+    """The stiffness of the wall increases or decreases linearly with time."""
 
     rate: float = optional_parameter('Relative change of the stiffness per second', '1/s')
 

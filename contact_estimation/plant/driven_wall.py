@@ -65,14 +65,7 @@ NOISE = {'straight': (1.0,), 'smooth': (-1.0 / 12.0, 7.0 / 6.0, -1.0 / 12.0), 'h
 
 
 def reference_through(t: Array, rows: Array, held: bool = False) -> ReferenceAt:
-    """
-    Continue a reference between its samples; before the first and after the last it rests.
-
-    t (N,): times of the samples [s], strictly increasing; N >= 1
-    rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]
-    held: whether each sample holds until the next; else straight lines connect them
-    Returns reference_at: from time [s] to the reference
-    """
+    """Continue a reference (4, N) of times (N,) [s] by lines, or held; outside it rests."""
     if np.ndim(t) != 1 or len(t) < 1 or np.shape(rows) != (4, len(t)):
         raise SignalShapeError(
             'a reference needs t of shape (N,) and rows of shape (4, N) with N >= 1, got '
@@ -107,17 +100,12 @@ def run_driven_wall(
     begin: float = 0.0,
 ) -> Array:
     """
-    Simulate the environment under a measured force.
+    Simulate the environment under a measured force (N,) [N] at times (N,) [s]; return x (N,) [m].
 
     M_e xdd = -F_e - (B_e v + K_e delta + physics), the force interpolated linearly and
     corrected for the effects of the sensor.
 
-    parameters: model, of which environment, physics and `integration_rate` matter
-    t (N,): times of the samples [s], increasing; N >= 2
-    force (N,): measured F_e [N]
-    x0, v0: position [m] and velocity [m/s] at t[0]
     begin: the wall's time at t[0] [s], on which some effects depend
-    Returns positions (N,): x [m]
     """
     return run_driven_wall_with_rates(parameters, t, force, x0, v0, begin)[0]
 
@@ -126,11 +114,7 @@ def run_driven_wall_with_rates(
     parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0,
     begin: float = 0.0,
 ) -> Array:
-    """
-    Simulate the environment with rates; parameters as `run_driven_wall`.
-
-    Returns motion (3, N): x [m] and its derivatives [m/s], [m/s^2]
-    """
+    """Return x [m], v and a, shape (3, N); parameters as `run_driven_wall`."""
     if np.shape(t) != np.shape(force) or np.ndim(t) != 1 or len(t) < 2:
         raise SignalShapeError(
             'a driven wall needs t and force of one shape (N,) with N >= 2, got '
@@ -172,13 +156,7 @@ class DrivenWall:
         return reading
 
     def run(self, t: Array, force: Array, start: tuple[float, float]) -> Array:
-        """
-        Integrate the equation of motion.
-
-        t, force (N,): time since the first sample [s] and force without effects of the sensor [N]
-        start: position [m] and velocity [m/s] at the first sample
-        Returns motion (3, N): x [m] and its derivatives [m/s], [m/s^2]
-        """
+        """Integrate under F_e (N,) [N] at times (N,) [s] from (x, v); return x, v, a, (3, N)."""
         state: State = (*start, *(0.0,) * self._law.states)
         times, forces = t.tolist(), force.tolist()
         motion = [(*state[:2], self._acceleration(times[0], state, forces[0]))]

@@ -31,13 +31,7 @@ def run_open_loop(
     plant: PlantParameters, reference: ReferenceAt, start: float, duration: float,
     further: Sequence[Effect] = (),
 ) -> tuple[list[Truth], ContactRecording]:
-    """
-    Simulate the plant on a given reference.
-
-    reference: from time [s] to the reference
-    start: initial position of the robot, at rest [m]
-    duration: simulated time [s]
-    """
+    """Simulate the plant on a reference for a duration [s], from rest at a position [m]."""
     period = 1.0 / plant.sample_rate
     world, sensors = World(plant, start, further=further), Sensors(plant)
     truths: list[Truth] = []
@@ -56,14 +50,10 @@ def simulate_on(
     begin: float = 0.0,
 ) -> list[Truth]:
     """
-    Simulate on a sampled reference, interpolated linearly.
+    Simulate on a reference (4, N) at times (N,) [s], interpolated linearly, from x0 and v0.
 
-    parameters: parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per
-    sample suffices unless dry friction acts on a light robot.
-    t (N,): times of the samples [s], increasing
-    reference_rows (4, N): x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none)
-    x0, v0: position [m] and velocity [m/s] of the robot at t[0]
-    begin: the world's time at t[0] [s], on which some effects depend
+    At 500 Hz, an `integration_rate` of one or two steps per sample suffices unless dry friction
+    acts on a light robot. begin: the world's time at t[0] [s], on which some effects depend.
     """
     since = t - t[0] + begin
     return simulate_at(parameters, since, reference_through(since, reference_rows), x0, v0, begin)
@@ -100,13 +90,7 @@ def simulate_command(
     model: PlantParameters, stamp_ns: Stamps, reference_ns: Stamps, reference: Array,
     start: tuple[float, float], held: bool = False,
 ) -> Simulation:
-    """
-    Simulate a model on a recorded reference.
-
-    stamp_ns (N,): stamps of the measurements [ns], increasing
-    start: position [m] and velocity [m/s] of the robot at the first stamp
-    held: whether the robot holds each setpoint until the next; else it interpolates linearly
-    """
+    """Simulate a model on a recorded reference, which the robot interpolates, or holds."""
     first = stamp_ns[0]
     follow = reference_through((reference_ns - first) * 1e-9, reference, held)
     truths = simulate_at(model, (stamp_ns - first) * 1e-9, follow, *start)
@@ -127,14 +111,7 @@ def simulate_force(
     model: PlantParameters, stamp_ns: Stamps, force: Array, start: tuple[float, float],
     between: str = 'straight',
 ) -> Simulation:
-    """
-    Simulate an attached wall without a robot on a measured force.
-
-    stamp_ns (N,): stamps of the force [ns], increasing
-    force (N,): measured F_e [N]
-    start: position [m] and velocity [m/s] at the first stamp
-    between: behaviour of the force between its samples, a key of `BETWEEN`
-    """
+    """Simulate an attached wall, without a robot, on a measured force, see `BETWEEN`."""
     t = (stamp_ns - stamp_ns[0]) * 1e-9
     motion = run_driven_wall_with_rates(model, t, BETWEEN[between](force), *start)
     columns = zip(t.tolist(), *motion.tolist(), force.tolist(), force.tolist())

@@ -136,12 +136,7 @@ class World:
         return self._measured()[0]
 
     def advance(self, duration: float, reference: ReferenceAt) -> None:
-        """
-        Integrate the equations of motion.
-
-        duration: time to integrate over [s]
-        reference: from time [s] to the reference, the same whenever it is asked for a time again
-        """
+        """Integrate over a duration [s]; the reference is the same whenever asked for a time."""
         self._follow(reference)
         steps = max(1, ceil(duration * self._rate - 1e-6))
         end, h = self.t + duration, duration / steps

@@ -26,13 +26,8 @@ def pressing_motion(
     """
     Return a motion that presses several times, with tones, and moves aside along the wall.
 
-    arm: with n joints
-    frame: link that presses; it does not turn
-    q (n,): where it begins
-    normal (3,): unit vector into the wall
-    rng: of the tones
-    depth, excitation: how far the path goes beyond its begin, and the size of the tones [m]
-    duration, rate: [s], [Hz]
+    It begins at q (n,) and goes `depth` [m] along the normal (3,), with tones of size `excitation`
+    [m]; the link that presses does not turn.
     """
     t = np.arange(0.0, duration, 1.0 / rate)
     within = t % _PERIOD_S
@@ -101,8 +96,6 @@ def exciting_trajectory(
 
     Finite Fourier series (Swevers, Ganseman, Tukel, De Schutter and Van Brussel, IEEE Trans.
     Robotics and Automation 13(5), 1997), from rest to rest. Collisions are not checked.
-
-    duration, rate: [s], [Hz]
     """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, duration, 1.0 / rate)

@@ -28,12 +28,7 @@ class Excitation(ABC):
 
     @abstractmethod
     def rates(self, t: float) -> tuple[float, float]:
-        """
-        Return the derivatives of the signal; steps count as 0.
-
-        t: time of the experiment [s]
-        Returns first, second: derivatives, per second and per second squared
-        """
+        """Return the first and second derivative at a time [s]; steps count as 0."""
 
 
 class Sine(Excitation):
@@ -51,11 +46,7 @@ class Sine(Excitation):
 
 
 class Multisine(Excitation):
-    """
-    Sum of sines of equal amplitude with Schroeder phases, which keep the peak low.
-
-    omegas: angular frequencies [rad/s]
-    """
+    """Sum of sines of equal size at omegas [rad/s]; Schroeder phases keep the peak low."""
 
     def __init__(self, amplitude: float, omegas: Sequence[float]) -> None:
         if not omegas:
@@ -81,11 +72,7 @@ class Multisine(Excitation):
 
 
 class PseudoRandomBinary(Excitation):
-    """
-    Pseudo-random binary sequence of the paper: 10 registers, feedback from 7 and 10, 20 Hz.
-
-    shift_rate: shifts per second [Hz]
-    """
+    """Pseudo-random binary sequence of the paper: 10 registers, feedback from 7 and 10, 20 Hz."""
 
     def __init__(self, amplitude: float, shift_rate: float = 20.0) -> None:
         if shift_rate <= 0.0:
@@ -104,11 +91,7 @@ class PseudoRandomBinary(Excitation):
 
 @lru_cache(maxsize=1)
 def register_sequence() -> tuple[int, ...]:
-    """
-    Return one period, 2^10 - 1 shifts, of the shift register started with all ones.
-
-    Returns bits: output of register 10
-    """
+    """Return one period, 2^10 - 1 outputs of register 10, of the register started with ones."""
     register = [1] * 10
     bits = []
     for _ in range(1023):
@@ -163,12 +146,7 @@ class Experiment:
         return cycle
 
     def desired(self, t: float) -> Desired:
-        """
-        Return the setpoint at a given time.
-
-        t: time since the start [s]; before and after the experiment the setpoint rests, unless it
-        is a cycle
-        """
+        """Return the setpoint at a time [s]; before and after it rests, unless it is a cycle."""
         if self._repeats and t >= 0.0:
             t %= self.duration
         index = bisect.bisect_right(self._begins, t) - 1
@@ -188,11 +166,7 @@ class Experiment:
         return Desired(x, v, a, force)
 
     def hold(self) -> tuple[float, float] | None:
-        """
-        Return the longest interval in which a force is prescribed and x_d rests.
-
-        Returns interval: begin and end [s]; None if there is no such interval
-        """
+        """Return begin and end [s] of the longest rest of x_d under a force; None without one."""
         rests = [
             (begin, begin + segment.duration)
             for begin, segment, before in zip(

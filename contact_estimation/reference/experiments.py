@@ -151,14 +151,10 @@ def manoeuvre(
     force: float = DESIRED_FORCE,
 ) -> Experiment:
     """
-    Return the manoeuvre of the paper: approach, press, withdraw.
+    Return the manoeuvre of the paper, 10 s and a hold: approach, press, withdraw.
 
-    name: name of the experiment
-    force_excitation: added to F_d while a force is prescribed [N], eq. (40)
-    position_excitation: added to x_d from the approach to the end of the withdrawal [m], eq. (41)
-    hold_s: duration of the hold [s]
-    force: F_d [N]; NaN: no force prescribed, eq. (1) alone
-    Returns experiment: lasts 10 s plus `hold_s`
+    Excitations add to F_d while a force is prescribed, eq. (40), and to x_d, eq. (41). A force
+    that is NaN is not prescribed: eq. (1) alone.
     """
     pressing: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
     if force == force:
@@ -177,13 +173,7 @@ def manoeuvre(
 
 
 def rich() -> Experiment:
-    """
-    Return three episodes that differ in speed, depth and excitation.
-
-    No force is prescribed, eq. (1) alone: suited to recordings for `diagnose`.
-
-    Returns experiment: lasts 15.8 s
-    """
+    """Return three episodes, 15.8 s, of other speed, depth and excitation; no force is set."""
     away = -0.02
 
     def touch(approach_s: float, depth: float, amplitude: float, *omegas: float) -> list[Segment]:

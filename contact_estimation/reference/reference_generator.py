@@ -13,14 +13,7 @@ from .setpoints import Desired, Reference
 
 
 def quintic(start: float, end: float, duration: float, t: float) -> tuple[float, float, float]:
-    """
-    Evaluate the fifth-order polynomial from rest to rest.
-
-    start, end: positions [m]
-    duration: duration of the motion [s], > 0
-    t: time since the start [s]; clipped to [0, duration]
-    Returns position, velocity, acceleration: in [m], [m/s], [m/s^2]
-    """
+    """Return x [m] and its rates on the quintic from rest to rest at a time [s], clipped."""
     s = min(max(t / duration, 0.0), 1.0)
     span = end - start
     return (
@@ -34,23 +27,12 @@ Compliance = Callable[[float, float], float]
 
 
 def eq20_compliance(K_hat: float, K_t: float) -> float:
-    """
-    Eq. (20): x_r = x_e + F_r / K_hat.
-
-    K_hat: estimated stiffness of the environment [N/m], > 0
-    K_t: target stiffness of the robot [N/m]; not used
-    Returns compliance: (x_r - x_e) / F_r [m/N]
-    """
+    """Eq. (20), x_r = x_e + F_r / K_hat: return (x_r - x_e) / F_r [m/N]."""
     return 1.0 / K_hat
 
 
 def series_compliance(K_hat: float, K_t: float) -> float:
-    """
-    Springs in series: x_r = x_e + F_r (1 / K_hat + 1 / K_t).
-
-    K_hat, K_t: stiffness of environment and robot [N/m], > 0
-    Returns compliance: (x_r - x_e) / F_r [m/N]
-    """
+    """Springs in series, x_r = x_e + F_r (1 / K_hat + 1 / K_t): return (x_r - x_e) / F_r [m/N]."""
     return 1.0 / K_hat + 1.0 / K_t
 
 
@@ -91,11 +73,7 @@ class ReferenceGenerator:
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
     def start(self, position: float) -> None:
-        """
-        Start at the position of the robot, from which x_r then moves within its limits.
-
-        position: measured x [m]; finite
-        """
+        """Start at the measured position [m], from which x_r then moves within its limits."""
         self._last, self._resting = Reference(position, 0.0, 0.0), None
 
     def configure(self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3) -> None:
@@ -109,15 +87,7 @@ class ReferenceGenerator:
         self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float,
         deepest: float = inf,
     ) -> Reference:
-        """
-        Compute the reference of one instant.
-
-        t: time at which the robot follows it [s]
-        dt: time since the last call [s]
-        x_e: location of the wall [m]
-        K_hat: estimated stiffness [N/m]
-        deepest: largest x_r [m]; NaN: no limit
-        """
+        """Compute the reference of t [s], dt after the last; NaN: `deepest` [m] is no limit."""
         position, velocity, acceleration, force = desired
         last = self._last
         if desired is self._resting and last is not None and not position > deepest:
@@ -194,14 +164,9 @@ def limited(
     Return the reference that is nearest to a target within the limits.
 
     x_r is finite, moves at most `speed` dt from the last reference, and not deeper than
-    `deepest`; from beyond it, x_r retreats at that speed. The same holds along the parabola that
-    the robot follows until the next reference.
-
-    target: wanted; where its position is not finite, x_r stays
-    dt: time since the last reference [s]; x_r stays where this is not > 0
-    period: time for which the robot follows the new one [s]
-    speed: largest |dx_r/dt| [m/s]
-    deepest: largest x_r [m]; NaN: no limit
+    `deepest` (NaN: no limit); from beyond it, x_r retreats at that speed. The same holds along the
+    parabola that the robot follows for a period. Where the target is not finite, or dt not > 0,
+    x_r stays.
     """
     position, velocity, acceleration, force = target
     before = last[0]

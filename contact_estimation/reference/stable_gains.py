@@ -270,15 +270,7 @@ class StabilityWatch:
     def take(
         self, robot: StabilityParameters, K_e: float, K_e_std: float, B_e: float, B_e_std: float
     ) -> float:
-        """
-        Return the least phase margin within two standard deviations of the wall [deg].
-
-        robot: the present gains
-        K_e, K_e_std, B_e, B_e_std: the wall and its standard deviations; not finite where nothing
-        is known
-        Returns margin: negative where the loop is unstable; NaN where it is off or no wall is
-        known
-        """
+        """Return the least phase margin within two standard deviations [deg], NaN if unknown."""
         wall = K_e, K_e_std, B_e, B_e_std
         if robot.kind == OFF or not all(map(isfinite, wall)):
             self.gains = self._judged = None

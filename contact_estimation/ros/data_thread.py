@@ -88,11 +88,7 @@ class RawSubscriptions:
             for kept in (self._waking, self._quiet))
 
     def wait(self, timeout_ns: int) -> None:
-        """
-        Wait for messages and pass them to their callbacks.
-
-        timeout_ns: longest time to wait [ns]
-        """
+        """Wait for messages, up to a time [ns], and pass them to their callbacks."""
         waking = self._waking
         if self._wait_set is None or self._capacity < len(waking):
             self._capacity = len(waking)

@@ -34,11 +34,7 @@ _ON_DEMAND: dict[str, Callable[[Any], float]] = {
 
 
 class EstimatePublishers:
-    """
-    All outputs of the estimator node.
-
-    compensated: what makes `~/compensated_wrench`, which is not published without
-    """
+    """All outputs of the estimator node; without `compensated` no `~/compensated_wrench`."""
 
     def __init__(self, node: Node, joint: str) -> None:
         self._joint = joint or 'contact_axis'

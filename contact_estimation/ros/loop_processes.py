@@ -59,12 +59,7 @@ def configure(
     duration: float | None = None, seed: int | None = None, reference_law: str | None = None,
     lockstep: bool = False,
 ) -> LoopConfiguration:
-    """
-    Combine a parameter file with options and check the result.
-
-    duration: length of the run [s]; one experiment by default
-    lockstep: the plant waits for the answer to each sample; otherwise as the file says
-    """
+    """Combine a parameter file with options, which take precedence, and check the result."""
     played = experiment_named(experiment)
     seconds = _duration(duration, played)
     plant_values: dict[str, Any] = {
@@ -155,11 +150,7 @@ class LoopProcesses:
         }
 
     def run(self, duration: float, report_progress: Callable[[float], None]) -> str:
-        """
-        Wait until the plant has finished, then stop the others.
-
-        duration: expected length of the run [s]
-        """
+        """Wait until the plant has finished, in about a duration [s], then stop the others."""
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             failure = self._wait(duration, report_progress)
@@ -189,11 +180,7 @@ class LoopProcesses:
 
 
 def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
-    """
-    Interrupt a process and wait for its end; kill it after a time-out.
-
-    timeout_s: time from the interrupt to the kill [s]
-    """
+    """Interrupt a process and wait for its end; kill it after a time-out [s]."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
     try:

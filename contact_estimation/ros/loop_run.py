@@ -144,11 +144,7 @@ def summarise(run: RecordedRun, configuration: LoopConfiguration) -> dict[str, A
 
 
 def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
-    """
-    Return why a run does not show what the estimator does on an idle machine.
-
-    sample_rate: of the plant [Hz]
-    """
+    """Return why a run does not show what the estimator does on an idle machine."""
     reasons = []
     sent, lost = measured.get('samples_sent'), measured.get('samples_lost')
     if lost:

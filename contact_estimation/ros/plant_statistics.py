@@ -23,11 +23,7 @@ def percentiles(values: Sequence[float]) -> dict[str, float | None]:
 
 
 class PlantStatistics:
-    """
-    Count samples and references, and measure latency from the time of sending.
-
-    period_ns: sample period [ns]; the reference for sample k has the stamp of sample k + 1
-    """
+    """Count samples, and the references with the stamps after theirs, by latency from sending."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
@@ -45,11 +41,7 @@ class PlantStatistics:
             self._last_contact = k
 
     def answered(self, reference_stamp_ns: int) -> None:
-        """
-        Note the arrival of a reference.
-
-        reference_stamp_ns: instant from which the reference is to be followed [ns]
-        """
+        """Note the arrival of a reference, which is to be followed from its stamp on [ns]."""
         now = time.perf_counter_ns()
         k = round((reference_stamp_ns - self.begin_ns) / self._period_ns) - 1
         if 0 <= k < len(self._sent) and k not in self._delays:

@@ -108,13 +108,7 @@ def score(
     world: World, trace: Trace, at: float | None = None,
     instants: Sequence[float] | Array | None = None, more: Mapping[str, Any] | None = None,
 ) -> Score:
-    """
-    Compare a trace with the truth.
-
-    at: when errors are taken [s]; the end of the last contact by default
-    instants: when bands are checked [s]; by default every 0.1 s of contact from 1 s after its
-    touch
-    """
+    """Compare with the truth: errors at a time [s], bands at instants [s] of settled contact."""
     at = end_of_contact(world) if at is None else at
     instants = settled_instants(world) if instants is None else instants
     raised = {'raised': True} if trace.error else {}

@@ -198,14 +198,7 @@ class PlanarArm:
     def accelerations(
         self, angles: Triple, rates: Triple, torques: Triple, force_x: float
     ) -> Triple:
-        """
-        Solve the equations of motion, joint friction included.
-
-        angles, rates: link angles and rates [rad], [rad/s]
-        torques: motor torques [N m]
-        force_x: force on the tip along x [N]
-        Returns accelerations: link accelerations [rad/s^2]
-        """
+        """Return a'' [rad/s^2] under motor torques [N m] and a force on the tip along x [N]."""
         (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, self._p.lengths
         # Innermost loop of the testbed: sines and cosines are computed once for M, h and J.
         c1, c2, c3, s1, s2, s3 = cos(a1), cos(a2), cos(a3), sin(a1), sin(a2), sin(a3)

@@ -48,12 +48,10 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
 
 def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
     """
-    Compute the state after a change of the deflection.
+    Compute the state after a change `step` of the deflection [m].
 
     Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
     friction depends on the travelled distance only and approaches its limit over s.
-
-    step: change of the deflection [m]
     """
     if step == 0.0:
         return state
@@ -159,14 +157,7 @@ class Acquisition(ABC):
 
     @abstractmethod
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """
-        Process one sample.
-
-        force: F_e from the force sensor [N]
-        position: deflection of the wall from the potentiometer [m]
-        Returns force, position, velocity: input of the estimator [N], [m], [m/s]; NaN without a
-        velocity
-        """
+        """Return force [N], position [m] and velocity [m/s] (or NaN) of F_e and deflection."""
 
 
 class RawAcquisition(Acquisition):
@@ -227,11 +218,7 @@ class ArmRecording(NamedTuple):
 def run_testbed(
     session: ContactSession, experiment: Experiment, acquisition: Acquisition, seed: int
 ) -> ClosedLoopRun:
-    """
-    Run an experiment in closed loop.
-
-    The reference computed from sample k is followed from sample k + 1 on.
-    """
+    """Run in closed loop; the reference of sample k is followed from sample k + 1 on."""
     period = 1.0 / TESTBED.sample_rate
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)

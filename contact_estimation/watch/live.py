@@ -39,11 +39,7 @@ class LogText(NamedTuple):
 
 
 class ContactLog:
-    """
-    Values and texts since the last time that they were taken.
-
-    values: stamps [ns] and values by keys of plot and curve, as in 'force/measured'
-    """
+    """Values, by plot and curve as in 'force/measured', and texts, since they were last taken."""
 
     def __init__(self) -> None:
         self.values: dict[str, tuple[list[int], list[float]]] = {}
@@ -72,12 +68,7 @@ class ContactLog:
             self.texts.append(LogText(STATUS, stamp_ns, text, level))
 
     def add_checks(self, stamp_ns: int, active: Mapping[str, str]) -> None:
-        """
-        Add which warnings have begun or ended.
-
-        stamp_ns: when [ns]
-        active: texts of the active warnings, by what stays the same while their numbers change
-        """
+        """Add which warnings have begun or ended, by what stays the same in their texts."""
         for key, text in active.items():
             if key not in self._checks:
                 self.texts.append(LogText(CHECKS, stamp_ns, text, WARNING))
@@ -199,11 +190,7 @@ class Subscription(NamedTuple):
 
 
 class LiveContact:
-    """
-    What a running estimator and its inputs publish.
-
-    Messages that cannot be used are left out: the estimator reports them.
-    """
+    """What a running estimator and its inputs publish, less what cannot be used."""
 
     def __init__(
         self, log: ContactLog, estimator: str = 'estimator_node', sparing: bool = False

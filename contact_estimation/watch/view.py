@@ -195,12 +195,7 @@ _PERIOD_S = 0.1
 def follow_recording(
     view: ContactView, path: Path, estimator: str, stopped: Event, period_s: float = _PERIOD_S
 ) -> None:
-    """
-    Show what is recorded until the recording is finished.
-
-    path: MCAP recording, which may not exist yet
-    period_s: time between looks at the file [s]
-    """
+    """Show an MCAP recording, which may not exist yet, until it is finished."""
     live = LiveContact(view.log, estimator)
     callbacks = {topic: callback for topic, _, callback, _ in live.subscriptions()}
     recording = GrowingRecording(path, callbacks)

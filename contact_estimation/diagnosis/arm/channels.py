@@ -241,11 +241,7 @@ class Channels:
                 for term, columns in plain.items()}
 
     def predicted(self, piece: Piece, j: int, fitted: 'Fitted', zeros: bool = True) -> Array:
-        """
-        Return what a fitted model adds to RNEA along a piece.
-
-        Returns torque (M,): [N m]
-        """
+        """Return what a fitted model adds to RNEA along a piece, shape (M,) [N m]."""
         torque = self.regressor(piece, j) @ fitted.calibration
         for term, theta in (*fitted.zeros.items(), *fitted.theta.items()):
             if j in piece.columns[term] and (zeros or term.effect != 'force_bias'):

@@ -73,14 +73,7 @@ def diagnose_contact(
 
 
 def tip_lag(states: ArmRecording, arm: ArmDynamics, soft: Mapping[str, float]) -> Array:
-    """
-    Return how far the tip is behind its motors along the normal: n . J_v (c load).
-
-    states: recording of N samples with a wrench
-    arm: its description
-    soft: compliance c by joint [rad/(N m)]
-    Returns lag (N,): [m]
-    """
+    """Return the lag of the tip along the normal, n . J_v (c load), (N,) [m]; soft: c by joint."""
     assert states.wrench is not None
     chosen, q = states.wrench.parameters, states.of_joints(arm.joints).q
     tip, still = chosen.kinematics.tip, np.zeros_like(q)

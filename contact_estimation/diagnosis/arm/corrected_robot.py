@@ -27,14 +27,10 @@ def is_body(theta: Array) -> bool:
 
 def possible_inertial(theta: Array, covariance: Array) -> Array:
     """
-    Return the likeliest parameters of a body that there can be, of a negative one for a lack.
+    Return the likeliest parameters (10,) that a body, or a negative one for a lack, can have.
 
-    Log-Cholesky parameters: C. Rucker and P. M. Wensing, IEEE RA-L 7(2), 2022.
-
-    theta (10,): fitted: mass, first moments, inertia (xx, xy, yy, xz, yz, zz)
-    covariance (10, 10): of the fit
-    Returns theta (10,): with a positive definite pseudo-inertia, or a negative definite one where
-    mass is lacking
+    theta (10,) and covariance (10, 10) are those of the fit. Log-Cholesky parameters: C. Rucker
+    and P. M. Wensing, IEEE RA-L 7(2), 2022.
     """
     sign = 1.0 if theta[0] >= 0.0 else -1.0
     if is_body(sign * theta):

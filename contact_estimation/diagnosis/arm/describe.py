@@ -30,12 +30,7 @@ _INTERVALS = 3  # that are listed
 
 
 class ArmNames:
-    """
-    The named model, with what its laws do.
-
-    model: of the named model
-    theta, stds: coefficients and their standard deviations
-    """
+    """The named model, its coefficients with standard deviations, and what its laws do."""
 
     def __init__(self, space: ArmModels, compared: Compared, named: Named) -> None:
         self.space, self.compared, self.named = space, compared, named

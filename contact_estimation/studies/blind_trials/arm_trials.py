@@ -273,12 +273,7 @@ class PlannedArm(NamedTuple):
 def plan_arms(
     count: int, seeds: Sequence[int], pressing: bool = False, engine: Engine = OWN
 ) -> list[PlannedArm]:
-    """
-    Plan trials of arms.
-
-    With `pressing` the arms press on a wall, under a Cartesian impedance that the diagnosis is not
-    told, and what they touch is diagnosed, too.
-    """
+    """Plan trials; pressing: on a wall, under an impedance that the diagnosis is not told."""
     kinds = PRESSED if pressing else [*KINDS, CLEAN, UNKNOWN]
     return [PlannedArm(f'{"press" if pressing else "arm"}_{seed}_{k:03d}', kinds[k % len(kinds)],
                        k, seed, pressing, engine) for seed in seeds for k in range(count)]

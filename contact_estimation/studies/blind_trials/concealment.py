@@ -41,14 +41,7 @@ def residual(in_motion: bool, world: World, run: Run) -> Array:
 
 
 def active_intervals(residual: Array, t: Array) -> list[tuple[float, float]]:
-    """
-    Find the intervals in which a residual is large.
-
-    residual (N,): residual [N]; NaN counts as 0
-    t (N,): time, evenly spaced [s]
-    Returns intervals: where the RMS over 0.1 s exceeds half of the overall RMS [s]; intervals less
-    than 0.3 s apart are joined
-    """
+    """Return where the RMS over 0.1 s exceeds half the overall one [s]; gaps below 0.3 s join."""
     residual, h = np.nan_to_num(residual), float(t[1] - t[0])
     if not residual.any():
         return []

@@ -28,11 +28,7 @@ class Stage(NamedTuple):
 
 
 class Faded(Excitation):
-    """
-    An excitation faded in and out smoothly.
-
-    begin, end: begin of the fade-in and end of the fade-out [s]
-    """
+    """An excitation that is faded in smoothly from `begin` on, and out until `end` [s]."""
 
     def __init__(self, signal: Excitation, begin: float, end: float) -> None:
         self._signal, self._begin, self._end = signal, begin, end
