@@ -14,7 +14,8 @@ from arm_contact import (
     CENTRE as TOOL_CENTRE, JOINTS as ARM_JOINTS, MASS as TOOL_MASS, PARAMETERS, pose, urdf)
 from contact_estimation.commands.calibrate_tool import main
 from contact_estimation.kinematics.contact_kinematics import ArmSample
-from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
+from contact_estimation.kinematics.tool_load import (
+    load_regressor, load_vector, specific_force, ToolParameters)
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.arm_kinematics import kinematics_of
 from contact_estimation.pipeline.arm_outputs import CompensatedWrench
@@ -178,7 +179,7 @@ def felt(t: float) -> Array:
     a = (T[2][:3, 3] - 2.0 * T[1][:3, 3] + T[0][:3, 3]) / h**2
     turned = [Rotation.from_matrix(T[1][:3, :3].T @ each[:3, :3]).as_rotvec() for each in T]
     w, alpha = (turned[2] - turned[0]) / (2.0 * h), (turned[2] + turned[0]) / h**2
-    return tool_wrench(TOOL, T[1][:3, :3], a, w, alpha)
+    return load_regressor(specific_force(T[1][:3, :3], a), w, alpha) @ load_vector(TOOL)
 
 
 @pytest.mark.parametrize('measured', [True, False], ids=['rates measured', 'positions alone'])

@@ -17,7 +17,8 @@ from contact_estimation.exceptions import (
     MissingPackageError, ModelFileError, RecordingError, UnknownNameError)
 from contact_estimation.kinematics.description import turning_joint
 from contact_estimation.kinematics.robot_model import RobotModel
-from contact_estimation.kinematics.tool_load import STANDARD_GRAVITY, tool_wrench, ToolParameters
+from contact_estimation.kinematics.tool_load import (
+    load_regressor, load_vector, specific_force, STANDARD_GRAVITY, ToolParameters)
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import encode_string
@@ -152,7 +153,8 @@ def test_force_in_any_motion_is_that_of_a_point_mass_at_the_centre() -> None:
     gravity = np.array([0.0, 0.0, -STANDARD_GRAVITY])
     expected = R.T @ (TOOL.mass * (gravity - centre_acceleration)) + TOOL.force_bias
     alpha = (angular_velocity(t + 1e-4) - angular_velocity(t - 1e-4)) / 2e-4
-    wrench = tool_wrench(TOOL, R, second_difference(origin, t), angular_velocity(t), alpha)
+    felt = specific_force(R, second_difference(origin, t))
+    wrench = load_regressor(felt, angular_velocity(t), alpha) @ load_vector(TOOL)
     np.testing.assert_allclose(wrench[:3], expected, atol=1e-5)
 
 

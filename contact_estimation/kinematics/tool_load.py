@@ -103,19 +103,6 @@ def load_map(tool: ToolParameters) -> tuple[Array, Array]:
     return (load_regressor(np.eye(3)) @ theta - bias).T, bias
 
 
-def tool_wrench(
-    tool: ToolParameters, R: Array, acceleration: Array | None = None,
-    w: Array | None = None, alpha: Array | None = None,
-) -> Array:
-    """
-    Compute what a sensor reads that nothing touches.
-
-    Returns wrench (..., 6): force [N] and torque about the sensor's origin [N m], in the sensor's
-    frame. The measured wrench less this one is (F_e, T_e)
-    """
-    return load_regressor(specific_force(R, acceleration), w, alpha) @ load_vector(tool)
-
-
 def cross_matrix(v: Array) -> Array:
     """Return [v]x, shape (..., 3, 3), of vectors of shape (..., 3): [v]x u = v x u."""
     x, y, z = np.moveaxis(np.asarray(v, np.float64), -1, 0)

@@ -4,9 +4,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
-from .law import Number, optional_parameter, positive, Prior, RobotEffect, Scales, Strength
+from .law import (
+    Generator, Number, optional_parameter, positive, Prior, RobotEffect, Scales, Strength)
 
 
 @dataclass(frozen=True)

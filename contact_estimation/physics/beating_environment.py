@@ -6,10 +6,9 @@ from itertools import combinations
 from math import pi
 from typing import Any
 
-from numpy.random import Generator
-
 from .law import (
-    ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength)
+    ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen,
+    Strength)
 from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
 
 _PERIODS = 3.0  # fewest of the slower tone

@@ -7,11 +7,10 @@ from math import expm1, log1p
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
 from .law import (
-    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
-    path_of, Prior, Scales, State, Strength, stretches)
+    Array, ContactEffect, Flags, Generator, log_uniform, Motion, motion_of, Need, Number,
+    optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear

@@ -6,11 +6,10 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
 from .law import (
-    Array, ContactEffect, discretise, Flags, log_uniform, Number, optional_parameter, Prior,
-    Scales, Seen, State, Strength)
+    Array, ContactEffect, discretise, Flags, Generator, log_uniform, Number, optional_parameter,
+    Prior, Scales, Seen, State, Strength)
 from .moving_environment import MANY_PERIODS
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near

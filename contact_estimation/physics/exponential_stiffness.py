@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from math import expm1
 from typing import Any
 
-from numpy.random import Generator
-
-from .law import ContactEffect, Number, optional_parameter, positive, Prior, Scales, Strength
+from .law import (
+    ContactEffect, Generator, Number, optional_parameter, positive, Prior, Scales, Strength)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 

@@ -6,11 +6,11 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.random import Generator
 
 from .force_lag import ForceLag
 from .law import (
-    Array, ForceSensorEffect, log_uniform, optional_parameter, Prior, Reader, Scales, Strength)
+    Array, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader, Scales,
+    Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording

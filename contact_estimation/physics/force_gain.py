@@ -4,11 +4,9 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
 from .law import (
-    ForceSensorEffect, Need, Number, optional_parameter, Prior, random_sign, Scales, Seen,
-    Strength)
+    ForceSensorEffect, Generator, Need, Number, optional_parameter, Prior, random_sign, Scales,
+    Seen, Strength)
 
 CALIBRATED = 0.05
 """Relative error of the sensitivity that is usual."""

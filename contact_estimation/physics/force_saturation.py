@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
-from .law import ForceSensorEffect, Number, optional_parameter, Prior, Scales, Seen, Strength
+from .law import (
+    ForceSensorEffect, Generator, Number, optional_parameter, Prior, Scales, Seen, Strength)
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from operator import mul
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.random import Generator
 
 from .law import (
-    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State, Strength)
+    Array, ContactEffect, Flags, Generator, Need, Number, optional_parameter, Prior, Scales, State,
+    Strength)
 from .viscoelastic_relaxation import REPELS
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week

@@ -3,9 +3,7 @@
 
 from dataclasses import astuple, dataclass
 
-from numpy.random import Generator
-
-from .law import optional_parameter, Prior, random_sign, RobotEffect, Scales, Strength
+from .law import Generator, optional_parameter, Prior, random_sign, RobotEffect, Scales, Strength
 
 _ALIKE = 0.3  # of their mean deviation from 1: less between the scales is one for all
 

@@ -3,6 +3,8 @@
 
 """All that the file of an effect needs, by one import."""
 
+from numpy.random import Generator
+
 from .contact_effect import ContactEffect, State
 from .effect import Need, Seen
 from .force_sensor_effect import ForceSensorEffect, Reader
@@ -13,7 +15,7 @@ from .robot_effect import Joint, RobotEffect
 from ..parameters import optional_parameter
 
 __all__ = [
-    'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Joint',
+    'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Generator', 'Joint',
     'log_uniform', 'Motion', 'motion_of', 'Need', 'Number', 'optional_parameter', 'path_of',
     'positive', 'Prior', 'random_sign', 'Reader', 'RobotEffect', 'Scales', 'Seen', 'State',
     'Strength', 'stretches', 'Tone',

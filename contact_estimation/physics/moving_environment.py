@@ -6,11 +6,10 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
 from .law import (
-    ContactEffect, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen, Strength,
-    Tone)
+    ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen,
+    Strength, Tone)
 
 MANY_PERIODS = 8.0
 """Least periods in a recording of an oscillation that cannot follow any slow misfit."""

@@ -4,9 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
-from .law import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
+from .law import ContactEffect, Generator, Number, optional_parameter, Prior, Scales, Strength
 
 
 @dataclass(frozen=True)

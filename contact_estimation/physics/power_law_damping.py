@@ -4,10 +4,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
 from .hunt_crossley_damping import LARGEST_DAMPING
-from .law import ContactEffect, Number, optional_parameter, Prior, Scales, Strength
+from .law import ContactEffect, Generator, Number, optional_parameter, Prior, Scales, Strength
 
 
 @dataclass(frozen=True)

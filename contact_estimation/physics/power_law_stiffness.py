@@ -4,9 +4,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
-from .law import ContactEffect, Need, Number, optional_parameter, positive, Prior, Scales, Strength
+from .law import (
+    ContactEffect, Generator, Need, Number, optional_parameter, positive, Prior, Scales, Strength)
 
 _LEAST_POWER = 0.3  # of less the force is a step
 

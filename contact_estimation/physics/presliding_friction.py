@@ -7,11 +7,10 @@ from math import copysign, exp
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
 from .law import (
-    Array, ContactEffect, Flags, log_uniform, Motion, motion_of, Need, Number, optional_parameter,
-    path_of, Prior, Scales, State, Strength, stretches)
+    Array, ContactEffect, Flags, Generator, log_uniform, Motion, motion_of, Need, Number,
+    optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
 
 
 @lru_cache(maxsize=8)

@@ -4,9 +4,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
-from .law import Number, optional_parameter, Prior, RobotEffect, Scales, Strength
+from .law import Generator, Number, optional_parameter, Prior, RobotEffect, Scales, Strength
 
 
 @dataclass(frozen=True)

@@ -8,19 +8,8 @@ from __future__ import annotations
 from math import isfinite
 
 from .wording import (
-    headline,
-    how_it_was_read,
-    improvement,
-    mismatch,
-    MODELS,
-    place_of,
-    PORTS,
-    remainder,
-    share_of,
-    significant,
-    tested_dependences,
-    trifle,
-)
+    headline, how_it_was_read, improvement, mismatch, MODELS, place_of, PORTS, remainder, share_of,
+    significant, tested_dependences, trifle)
 from ..next_experiment import listed
 from ..observe.model import names_of
 from ..result import Diagnosis, Errors, NamedEffect, Value
