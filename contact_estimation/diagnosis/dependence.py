@@ -22,8 +22,8 @@ from .location import phases
 from .observe.model import Model
 from .observe.prepared_recording import PreparedRecording
 from .observe.residuals import residuals
+from ..physics.numeric import Array
 
-Array = NDArray[np.float64]
 Places = NDArray[np.int_]
 
 _STRETCH_S = 0.5

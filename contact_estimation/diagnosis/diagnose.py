@@ -10,7 +10,6 @@ from math import isnan, nan
 from typing import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from .checks import examine
@@ -32,8 +31,6 @@ from .views import best_view, compare, Given, Progress, Seen
 from ..exceptions import ParameterRangeError, RecordingError
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters, WallParameters
-
-Array = NDArray[np.float64]
 
 _FADES = 0.015  # of the speed of a motion: where dry friction fades at most, as 4e-4 of 0.027 m/s
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import periodogram
 
 from .observe.model import Model
@@ -17,9 +16,7 @@ from .observe.residuals import (
     force_explains_motion, force_residual, motion_residual, residuals, response_to)
 from .observe.shares import LITTLE, SLIGHT
 from ..physics.effect import Effect, Need
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ..physics.numeric import Array, Flags
 
 _WINDOW_S = 0.1
 _STRONG = 2.5  # mean square of the residual in a window, in those of the noise

@@ -16,7 +16,6 @@ from math import isfinite, sqrt
 from typing import Collection, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .checks.check import LISTED
@@ -32,11 +31,10 @@ from .observe.residuals import residuals
 from .observe.shares import LITTLE, MUCH
 from .observe.usable_samples import default_block, usable
 from .result import Diagnosis, NamedEffect
+from ..physics.numeric import Array
 from ..plant.simulation import simulate_on
 from ..reference.experiment import Experiment
 
-
-Array = NDArray[np.float64]
 
 _LEAST_PACE = 0.1
 

@@ -9,9 +9,6 @@ from dataclasses import dataclass, field
 from math import nan
 from typing import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .checks.check import Check
 from .dependence import Dependence
 from .fit.beam import Compared
@@ -19,8 +16,7 @@ from .fit.evidence import NOISE_IS_KNOWN, Share
 from .location import Location
 from .observe.model import Model
 from .observe.prepared_recording import Recordings
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ from scipy.special import xlogy
 from scipy.stats import fisher_exact, mannwhitneyu, theilslopes
 
 from .table import distinct, Entry
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 QUANTITIES = {'stiffness': ('K_e', 'N/m'), 'damping': ('B_e', 'N s/m')}
 _LEAST_POINTS = 6  # recordings: fewer have no 95 % interval of Sen's kind worth the name

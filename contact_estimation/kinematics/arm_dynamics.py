@@ -8,13 +8,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .description import joint_drives, link_masses
-from .robot_model import parsed_urdf, pinocchio, with_locked
+from .robot_model import Array, parsed_urdf, pinocchio, with_locked
 from ..exceptions import ModelFileError, UnknownNameError
-
-Array = NDArray[np.float64]
 
 PER_LINK = 10
 """

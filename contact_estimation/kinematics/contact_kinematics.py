@@ -9,16 +9,13 @@ from math import nan
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .robot_model import RobotModel
+from .robot_model import Array, RobotModel
 from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
 from .transform_model import TransformModel
 from ..exceptions import ParameterRangeError
 from ..signals.conditioning import ContactParameters
 from ..signals.contact_sample import ContactSample
-
-Array = NDArray[np.float64]
 
 
 class ArmSample(NamedTuple):

@@ -30,11 +30,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .robot_model import Array
 from ..parameters import parameter, ParameterGroup
-
-Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665
 """In [m/s^2]; the mass found absorbs the local deviation of up to 0.3 %."""

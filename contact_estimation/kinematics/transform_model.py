@@ -9,11 +9,11 @@ from collections import deque
 from typing import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .frame_tree import (
     FrameTree, IDENTITY, inverse, matrix_of, normalised, Pose, product, StampedTransform, Step,
     usable)
+from .robot_model import Array
 from ..exceptions import ModelFileError, UnknownNameError
 from ..signals.stream_faults import BEFORE_ANY
 
@@ -99,9 +99,6 @@ def _at(rows: deque[Row], stamp_ns: int) -> tuple[float, ...]:
     second_ns, second = rows[1]
     share = (stamp_ns - first_ns) / (second_ns - first_ns)
     return tuple([a + share * (b - a) for a, b in zip(first, second)])
-
-
-Array = NDArray[np.float64]
 
 
 class TransformModel:

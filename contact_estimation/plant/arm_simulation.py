@@ -10,15 +10,13 @@ import math
 from typing import Any, Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .arm_models import TIP
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..physics.contact_law import ContactLaw
 from ..physics.joint_effects import JOINT_EFFECTS, JointEffect, JointMotion, Place
+from ..physics.numeric import Array
 from ..reference.arm_excitation import ArmTrajectory
-
-Array = NDArray[np.float64]
 
 STEP_S = 1e-3
 _BANDWIDTH, _RATIO = 2.0 * np.pi * 6.0, 0.7  # of the position control [rad/s], damping ratio

@@ -11,7 +11,6 @@ from math import ceil, sqrt
 from typing import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .plant_parameters import PlantParameters
 from .world import combine, shift, State
@@ -20,9 +19,8 @@ from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
 from ..physics.effect import Effect
 from ..physics.force_sensor_effect import ForceSensorEffect
+from ..physics.numeric import Array
 from ..reference.setpoints import Reference, ReferenceAt
-
-Array = NDArray[np.float64]
 
 _AHEAD, _HERE = 11.0 / 60.0, 1.0 - 22.0 / 60.0  # weights of neighbours and middle
 _POLE = (sqrt(_HERE**2 - 4.0 * _AHEAD**2) - _HERE) / (2.0 * _AHEAD)

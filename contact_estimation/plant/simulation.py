@@ -17,14 +17,13 @@ from .driven_wall import BETWEEN, reference_through, run_driven_wall_with_rates
 from .plant_parameters import PlantParameters
 from .world import Truth, World
 from ..physics.effect import Effect
+from ..physics.numeric import Array
 from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..recordings.source import canonical
 from ..recordings.writing import RecordingWriter
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
 from ..signals.contact_sample import ContactRecording, ContactSample
-
-Array = NDArray[np.float64]
 
 
 def run_open_loop(

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import json
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..kinematics.arm_dynamics import ArmDynamics
+from ..physics.numeric import Array
 
 _PERIOD_S, _RAMP_S, _FREE_S = 6.0, 1.0, 1.5
 _TONES, _LOWEST_HZ, _HIGHEST_HZ = 6, 0.4, 4.0
@@ -47,8 +47,6 @@ def pressing_motion(
     v = np.gradient(np.array(followed), t, axis=0)
     return ArmTrajectory(t, np.array(followed), v, np.gradient(v, t, axis=0), np.nan)
 
-
-Array = NDArray[np.float64]
 
 _HARMONICS = 5
 _OF_LIMIT = 0.8  # of positions, speeds and efforts

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from ..exceptions import ParameterRangeError, UnknownNameError
 from ..parameters import parameter, ParameterGroup
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 ADMITTANCE, IMPEDANCE = 'admittance', 'impedance'
 _BAND = 2.0  # standard deviations

@@ -12,13 +12,11 @@ from typing import Any, Sequence
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..exceptions import MissingPackageError
 from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ..kinematics.robot_model import pinocchio
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 SENSOR, TOOL, TIP = 'ft_sensor', 'tool', 'tool_tip'
 TOOL_MASS, TOOL_CENTRE = 1.2, (0.012, -0.018, 0.061)  # [kg], [m] in the sensor's frame

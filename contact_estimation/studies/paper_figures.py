@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Any, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .paper_cases import ALL_CASES, Case, PRBS_LONG, record_testbed_step, STEP, step_recording
 from .testbed_arm import B_E, K_E
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 from ..figures import require_matplotlib
+from ..physics.numeric import Array
 from ..plant.closed_loop import ClosedLoopRun
-
-Array = NDArray[np.float64]
 
 _COLOURS = ('#0b6e99', '#c2410c', '#d4a017', '#4d7c0f', '#7c3aed')
 _TESTBED_COLOURS = (_COLOURS[0], _COLOURS[1], _COLOURS[4])  # of the same estimators

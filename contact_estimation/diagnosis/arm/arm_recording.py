@@ -12,20 +12,18 @@ import re
 from typing import Any, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...exceptions import MessageError, RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics, Outside
 from ...kinematics.tool_load import load_map
 from ...parameters import build
+from ...physics.numeric import Array, Flags
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters
 from ...recordings import RecordingReader
 from ...recordings.decoding import ArmReading, decode_arm, ForceTorqueDecoder
 from ...recordings.source import canonical, RecordingSource
-
-Array = NDArray[np.float64]
 
 _FELT_N = 1.0
 _PRESSING = 90.0  # percentile of the force, beyond which its direction is the normal
@@ -62,8 +60,6 @@ def pressed_along(arm: ArmDynamics, q: Array, outside: Outside) -> Array:
     length = float(np.linalg.norm(most))
     return np.asarray(most / length if length > _FELT_N else np.zeros(3))
 
-
-Flags = NDArray[np.bool_]
 
 _LEAST_SAMPLES = 200  # two seconds at the rate of slow drivers
 _STILL = 0.03  # range of a joint at rest [rad]: friction may hold anything over its presliding

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from .driven_wall import DrivenWall
@@ -17,10 +16,7 @@ from .model import Model
 from .observed import Observed
 from .observer import innovations_of
 from .smoothing import is_slow, least_noise, lost_by_lines, white_noise_std
-from ...physics.numeric import SecondOrder
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ...physics.numeric import Array, Flags, SecondOrder
 
 LEAST_VARIANCE = 0.02
 """Least variance along a direction, in that of the noise: of less a hundredth were taken away."""

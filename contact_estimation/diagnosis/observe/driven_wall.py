@@ -14,16 +14,13 @@ from __future__ import annotations
 from math import exp, isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from .model import Model
 from .observed import Observed
 from .observer import coast, innovation_std, innovations_under, kalman_filter, run, run_velocity
-from ...physics.numeric import discretise
+from ...physics.numeric import Array, discretise
 from ...plant.driven_wall import NOISE, smooth
-
-Array = NDArray[np.float64]
 
 _WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, within which a force may jump
 _SLOW = 10.0  # widths of the smooth sign, beyond which it does not bend drag

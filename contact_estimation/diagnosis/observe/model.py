@@ -20,10 +20,9 @@ from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw
 from ...physics.effect import Effect
 from ...physics.force_sensor_effect import ForceSensorEffect
+from ...physics.numeric import Array
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
-
-Array = NDArray[np.float64]
 
 _NO_WALL = 1e-6  # K_e and B_e: practically no spring, no damper, in scales of the recordings
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0

@@ -10,7 +10,6 @@ from functools import cached_property
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from .observer import OBSERVER_CUTOFF, run
@@ -19,13 +18,10 @@ from .signals import check_signals, Signals
 from .smoothing import (
     differentiate, lost_by_lines, motion_error, pace_of, quantisation_step, rate_noise,
     slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ, white_noise_std)
-from ...physics.numeric import discretise, SecondOrder
+from ...physics.numeric import Array, discretise, Flags, SecondOrder
 from ...physics.robot_law import RobotLaw
 from ...plant.driven_wall import BETWEEN
 from ...plant.plant_parameters import PlantParameters
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _START_S = 0.5
 _AT_REST = 0.05  # of the greatest speed

@@ -16,15 +16,12 @@ from math import exp
 from typing import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import freqz, lfilter
 
 from ...physics.contact_law import ContactLaw
-from ...physics.numeric import discretise, Flags, SecondOrder, stretches
+from ...physics.numeric import Array, discretise, Flags, SecondOrder, stretches
 from ...physics.robot_effect import Joint
 from ...physics.robot_law import RobotLaw
-
-Array = NDArray[np.float64]
 
 _FREQUENCIES = 4096  # at which spectra are averaged
 

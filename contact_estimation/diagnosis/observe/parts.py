@@ -9,7 +9,6 @@ from math import ceil, log10
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .model import Model
 from .observed import Observed
@@ -17,9 +16,8 @@ from .shares import LITTLE, MOST, MUCH, SLIGHT
 from .signals import check_signals, LEAST_SAMPLES, Recording, Signals
 from .smoothing import pace_of, white_noise_std
 from ...exceptions import RecordingError
+from ...physics.numeric import Array, Flags
 from ...plant.plant_parameters import PlantParameters
-
-Array = NDArray[np.float64]
 
 _GAP_S, _GAP_PERIODS = 0.5, 10.0  # without a sample of wrench or joints
 _STRAIGHT = 0.005  # of the range: a line that tells as much as samples
@@ -177,8 +175,6 @@ def _named(name: str, signals: Signals, is_part: bool) -> Recording:
 def _period(stamps: Array) -> float:
     return float(np.median(np.diff(stamps)))
 
-
-Flags = NDArray[np.bool_]
 
 _LEAST_SAMPLES = 30
 _FEW = 3  # episodes, from which on a whole one can be spared

@@ -11,7 +11,6 @@ from math import sqrt
 from typing import Any, Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .channel import (
     Channel, Discount, force_error, force_noise, innovation_error, motion_noise, sum_blocks)
@@ -21,10 +20,7 @@ from .observer import FORGOTTEN
 from .parts import HeldOut, hold_out, require_contact
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
-from ...physics.numeric import SecondOrder
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ...physics.numeric import Array, Flags, SecondOrder
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
 _MOST = 8  # a model and those that differ from it in one value

@@ -14,17 +14,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
 from .model import Laws, Model
 from .observer import at_touch_down, innovations, innovations_of, run, run_jointed
 from .prepared_recording import PreparedRecording
-from ...physics.numeric import discretise
+from ...physics.numeric import Array, discretise
 from ...physics.robot_law import RobotLaw
-
-Array = NDArray[np.float64]
 
 ROBUST = 5.0
 """Standard deviations beyond which residuals count linearly (Huber 1964)."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...exceptions import RecordingError, UnknownNameError
 from ...parameters import build
+from ...physics.numeric import Array
 from ...pipeline.parameters import EstimationParameters
 from ...pipeline.recorded_arm import arm_parameters, read_contact_signals
 from ...recordings import RecordingReader
@@ -22,8 +23,6 @@ from ...recordings.decoding import FORCE_OF_AXIS
 from ...recordings.recorded_signals import RecordedSignals, Tare
 from ...recordings.source import RecordingSource
 from ...texts import printable
-
-Array = NDArray[np.float64]
 
 LEAST_SAMPLES = 50
 _ABSURD = 1e30  # in any unit

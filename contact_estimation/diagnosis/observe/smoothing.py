@@ -9,14 +9,12 @@ from math import pi, sqrt
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import welch
 
 from .shares import MOST, SLIGHT
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 STEADY_CUTOFFS_HZ = tuple(6.0 * 1.5**k for k in range(-7, 9))  # at a pace of 1
 """Those of a motion at nearly constant speed."""

@@ -17,10 +17,7 @@ from .observer import FORGOTTEN
 from .shares import LITTLE, MUCH, SLIGHT
 from .signals import LEAST_SAMPLES, Recording
 from .smoothing import quantisation_step
-from ...physics.numeric import stretches
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ...physics.numeric import Array, Flags, stretches
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
 _BRIEF = 3  # samples

@@ -9,15 +9,14 @@ from math import sqrt
 from typing import Mapping, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import force_residual, motion_residual
 from ..observe.usable_samples import usable
 from ..result import Diagnosis
+from ...physics.numeric import Array
 
-Array = NDArray[np.float64]
 Span = tuple[float, float]
 
 _CLOSE_UP_S, _CLOSE_UP = 1.5, 0.125  # at least, and as a share of the recording

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .running import TrialFiles
 from .trial import nominal_model
@@ -22,6 +21,7 @@ from ...parameters import build
 from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_law import ContactLaw
 from ...physics.joint_effects import JOINT_EFFECTS
+from ...physics.numeric import Array
 from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
 from ...plant.plant_parameters import PlantParameters, WallParameters
@@ -29,7 +29,6 @@ from ...recordings.encoding import encode_arm, WrenchEncoder
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory, pressing_motion
 
-Array = NDArray[np.float64]
 Draw = Callable[['_Arm', np.random.Generator], ArmLaw]
 
 CLEAN, UNKNOWN = 'nothing', 'unknown'

@@ -14,11 +14,10 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
+from ...physics.numeric import Array
 from ...physics.prior import Scales
 from ...plant.plant_parameters import RobotParameters, WallParameters
 from ...reference.experiment import Experiment
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
