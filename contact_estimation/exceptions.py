@@ -3,8 +3,6 @@
 
 """Exceptions of this package: wrong use, wrong configuration, unusable data."""
 
-from __future__ import annotations
-
 import difflib
 from typing import Iterable, Sequence
 

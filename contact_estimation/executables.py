@@ -8,8 +8,6 @@ Each imports its module only when it is called: an interruption of the import, w
 or two, ends without a traceback; nodes, which have opened nothing yet, end without a word.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 import os
 import signal

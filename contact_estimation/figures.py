@@ -3,8 +3,6 @@
 
 """Figures with matplotlib, an optional package: one style, files without a display."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from contextlib import contextmanager
 import io

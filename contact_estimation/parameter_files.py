@@ -3,8 +3,6 @@
 
 """ROS 2 parameter files without ROS: written with comments, and read."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 from textwrap import wrap

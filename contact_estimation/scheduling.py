@@ -3,8 +3,6 @@
 
 """Tasks in this process, as processes, or on workers of Dask: of this machine or a scheduler."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from importlib import metadata
 import logging

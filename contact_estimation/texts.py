@@ -3,8 +3,6 @@
 
 """Texts that others wrote: read within stated limits, and escaped where they are printed."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -9,8 +9,6 @@ replacement for the bands of these means (block bootstrap, Kuensch 1989), and pe
 distribution without dependence: within a stretch residuals may be correlated in any way.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """The diagnosis of a nominal model, or of the physics that any simulator's recording shows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import isnan, nan
 from typing import Callable, Sequence

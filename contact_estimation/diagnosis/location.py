@@ -3,8 +3,6 @@
 
 """Location of a mismatch: port, time, phase of the contact, region of the motion, band."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

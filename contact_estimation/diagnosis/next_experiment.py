@@ -9,8 +9,6 @@ to the old recordings together. Its remaining residuals are what the diagnosis w
 (T-optimality, Atkinson and Fedorov 1975, linearised).
 """
 
-from __future__ import annotations
-
 import dataclasses
 from math import isfinite, sqrt
 from typing import Collection, Mapping, NamedTuple, Sequence

@@ -3,8 +3,6 @@
 
 """The result of a diagnosis: plain data for report, figures and model files."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import nan
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """The recordings of an archive, with a group each: files, folders, patterns, rosbag2 folders."""
 
-from __future__ import annotations
-
 from glob import glob, has_magic
 import os
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Trends of K_e and B_e, changes of named effects over time, robots that differ."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any, Callable, NamedTuple, Sequence
 

@@ -3,8 +3,6 @@
 
 """What a worker does, replay and diagnose one recording, and what identifies its result."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, field, replace
 import hashlib
 import json

@@ -3,8 +3,6 @@
 
 """The fleet as one self-contained HTML page: `prepare_NAME` makes the data of NAME.html."""
 
-from __future__ import annotations
-
 from collections import Counter
 from datetime import datetime, timezone
 from math import floor, isfinite, log10

@@ -3,8 +3,6 @@
 
 """One run over an archive: compute what is missing, resuming an interrupted run; pool groups."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import json
 from pathlib import Path

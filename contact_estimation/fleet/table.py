@@ -3,8 +3,6 @@
 
 """The fleet's table: recordings in order of time, a row for each contact, as Parquet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from importlib import import_module
 import io

@@ -3,8 +3,6 @@
 
 """Rigid-body dynamics of a whole arm, by Pinocchio."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np

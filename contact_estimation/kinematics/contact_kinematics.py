@@ -3,8 +3,6 @@
 
 """Position, velocity and force along the contact normal of an arm, from joints and wrench."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import NamedTuple, Sequence
 

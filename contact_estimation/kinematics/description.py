@@ -3,8 +3,6 @@
 
 """What a robot description says of its joints, read without Pinocchio."""
 
-from __future__ import annotations
-
 from math import isfinite
 from os import PathLike
 from pathlib import Path

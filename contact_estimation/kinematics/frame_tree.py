@@ -3,8 +3,6 @@
 
 """Poses of frames, the messages of tf, and the tree of frames that they describe."""
 
-from __future__ import annotations
-
 from math import isfinite, sqrt
 from operator import itemgetter
 from typing import Any, Collection, Iterable, NamedTuple, Sequence

@@ -3,8 +3,6 @@
 
 """Parameters of a real arm: its description, its frames, the axes of its force sensor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..parameters import parameter, ParameterGroup

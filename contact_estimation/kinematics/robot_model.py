@@ -3,8 +3,6 @@
 
 """Poses and velocities of an arm's frames from its joints, by Pinocchio."""
 
-from __future__ import annotations
-
 from types import ModuleType
 from typing import Any, Sequence
 

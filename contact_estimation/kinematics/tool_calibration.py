@@ -12,8 +12,6 @@ poses, widened where the residuals of successive poses are correlated (drift).
 
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

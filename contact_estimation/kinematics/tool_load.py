@@ -25,8 +25,6 @@ inertial parameters*, IROS 2007, eqs. (4) to (8).
 
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """Poses of an arm's frames from the transforms of tf, in place of its joints."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Iterable, Sequence
 

@@ -3,8 +3,6 @@
 
 """The effects by name. To add one: a file of its name here, and its name in EFFECTS."""
 
-from __future__ import annotations
-
 from dataclasses import make_dataclass
 from importlib import import_module
 

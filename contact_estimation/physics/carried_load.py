@@ -3,8 +3,6 @@
 
 """Masses that a robot description has wrongly, and gravity that it has in a wrong direction."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .joint_effect import JointEffect, JointMotion, Place

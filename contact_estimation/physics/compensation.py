@@ -13,8 +13,6 @@ where K_e multiplies phi_K and R contains all known forces: K_e and B_e are the 
 long-term, at t = 0.
 """
 
-from __future__ import annotations
-
 from collections import deque
 import math
 from math import nan

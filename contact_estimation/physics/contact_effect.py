@@ -3,8 +3,6 @@
 
 """Base class of the effects of the wall."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -3,8 +3,6 @@
 
 """The contact force of a wall with all its effects, for numbers and arrays."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import math
 from typing import Any, NamedTuple, Sequence

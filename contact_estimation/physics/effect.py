@@ -3,8 +3,6 @@
 
 """Base class of all effects: the interface that every effect implements."""
 
-from __future__ import annotations
-
 from copy import copy
 from dataclasses import dataclass
 from enum import Enum

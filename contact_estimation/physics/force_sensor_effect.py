@@ -3,8 +3,6 @@
 
 """Base class of the effects of the force sensor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import math
 from typing import Any, Callable

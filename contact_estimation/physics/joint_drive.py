@@ -3,8 +3,6 @@
 
 """Drives, gears and sensors of joints, and what is fixed to them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

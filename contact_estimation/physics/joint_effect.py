@@ -3,8 +3,6 @@
 
 """Base class of the physics of an arm, and the motion along which it acts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Callable, Mapping, Sequence

@@ -3,8 +3,6 @@
 
 """The physics of an arm by name. To add one: an entry of FRICTION, DRIVE or LOAD."""
 
-from __future__ import annotations
-
 from .carried_load import LOAD
 from .joint_drive import DRIVE
 from .joint_effect import JointEffect, JointMotion, Place

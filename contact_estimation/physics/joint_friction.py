@@ -3,8 +3,6 @@
 
 """Friction of joints: the laws of the library at the velocity of a joint."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 
 import numpy as np

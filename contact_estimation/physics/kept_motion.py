@@ -3,8 +3,6 @@
 
 """The motion of the wall along a recorded motion, kept while the law stays the same."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from typing import Any, Callable, Hashable, NamedTuple
 

@@ -9,8 +9,6 @@ followed from the last sample outside on as soon as the surface is known, so tha
 progress has the states that it would have had.
 """
 
-from __future__ import annotations
-
 from collections import deque
 import math
 from math import nan

@@ -3,8 +3,6 @@
 
 """Types and functions shared by the laws: signs, second-order systems, reversals."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import math
 from typing import Any, Iterator, NamedTuple, TypeVar

@@ -3,8 +3,6 @@
 
 """Which parameters of an effect are plausible, from the orders of magnitude of its world."""
 
-from __future__ import annotations
-
 from math import exp, log, log10, nan
 from typing import Callable, Mapping, NamedTuple, Sequence
 

@@ -3,8 +3,6 @@
 
 """Base class of the effects of the robot, and its joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any, NamedTuple

@@ -3,8 +3,6 @@
 
 """The impedance law of a robot with all its effects, for numbers and arrays."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Sequence
 

@@ -3,8 +3,6 @@
 
 """Descriptions of small arms for simulations: data, and the text that it makes."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 TIP = 'tip'  # frame at the end of the last link

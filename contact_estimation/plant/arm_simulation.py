@@ -3,8 +3,6 @@
 
 """Simulated motion of an arm under joint control, with the physics of JOINT_EFFECTS."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 import math
 from typing import Any, Callable, Sequence

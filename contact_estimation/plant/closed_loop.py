@@ -3,8 +3,6 @@
 
 """Closed loop of plant and estimation session without ROS, as fast as possible."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import isnan
 from typing import Iterator

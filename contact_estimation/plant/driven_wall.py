@@ -3,8 +3,6 @@
 
 """A permanently attached environment without a robot, driven by a recorded force."""
 
-from __future__ import annotations
-
 import bisect
 import math
 from math import ceil, sqrt

@@ -9,8 +9,6 @@ where an engine adds compliances, and for the wall alone where it takes them fro
 
 """
 
-from __future__ import annotations
-
 from typing import Callable, Mapping
 
 from .plant_parameters import PlantParameters

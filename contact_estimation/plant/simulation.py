@@ -3,8 +3,6 @@
 
 """Simulated recordings: the plant on a recorded command or force, or on an experiment."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator, Sequence

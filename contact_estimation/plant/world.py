@@ -3,8 +3,6 @@
 
 """Simulation of robot and wall with unilateral contact resolved within integration steps."""
 
-from __future__ import annotations
-
 from enum import Enum
 from functools import partial
 import math

@@ -3,8 +3,6 @@
 
 """Experiments: setpoints over time, with excitation."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 import bisect
 from dataclasses import dataclass

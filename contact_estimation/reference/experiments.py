@@ -3,8 +3,6 @@
 
 """Experiments by name, and from and to YAML files."""
 
-from __future__ import annotations
-
 from math import isfinite, nan, pi
 from pathlib import Path
 from typing import Any, Callable, Mapping

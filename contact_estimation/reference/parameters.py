@@ -3,8 +3,6 @@
 
 """Parameters of the reference: conversion of forces into positions, and limits."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan
 

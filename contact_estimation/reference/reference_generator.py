@@ -3,8 +3,6 @@
 
 """The reference trajectory x_r, continuous under jumps of estimate and setpoint."""
 
-from __future__ import annotations
-
 from math import copysign, inf, isfinite
 from typing import Callable
 

@@ -3,8 +3,6 @@
 
 """Setpoints: what the planner asks for, and the reference that the robot follows."""
 
-from __future__ import annotations
-
 from typing import Callable, NamedTuple
 
 

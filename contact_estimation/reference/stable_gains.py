@@ -3,8 +3,6 @@
 
 """Which impedance or admittance is stable on a wall, with delay and sampling."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import inf, isfinite, nan, pi, sqrt

@@ -3,8 +3,6 @@
 
 """The estimator node's subscriptions about its arm: the description, and the transforms of tf."""
 
-from __future__ import annotations
-
 from threading import Lock
 from typing import Callable
 

@@ -11,8 +11,6 @@ it is missing, the subscriptions are left to the executor, with a warning. All u
 in this module.
 """
 
-from __future__ import annotations
-
 from threading import Event, Thread
 from typing import Any, Callable
 

@@ -3,8 +3,6 @@
 
 """Publishers of estimates and reference, which send serialised messages."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any, Callable, Sequence
 

@@ -3,8 +3,6 @@
 
 """Diagnostics of the estimator node, and the graph of ROS as it sees it."""
 
-from __future__ import annotations
-
 from collections import deque
 from math import inf, isfinite
 import time

@@ -3,8 +3,6 @@
 
 """On-line estimation of contact stiffness and damping, and the reference that follows from it."""
 
-from __future__ import annotations
-
 from math import nan
 from threading import Lock
 import time

@@ -3,8 +3,6 @@
 
 """Parameters of the estimator node itself."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..parameters import group, parameter, ParameterGroup

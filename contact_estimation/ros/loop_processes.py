@@ -3,8 +3,6 @@
 
 """The parameters and processes of the loop: checked, started together, stopped in order."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """The estimator node with a managed life cycle, for systems that a lifecycle manager starts."""
 
-from __future__ import annotations
-
 from typing import Any, Sequence
 
 from rclpy.impl.implementation_singleton import rclpy_implementation

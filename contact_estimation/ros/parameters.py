@@ -3,8 +3,6 @@
 
 """Parameters of a dataclass as ROS parameters."""
 
-from __future__ import annotations
-
 from array import array
 from typing import Any, Callable, Iterable, Mapping
 

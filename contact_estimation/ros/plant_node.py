@@ -3,8 +3,6 @@
 
 """Real-time simulation of robot, wall and sensors in an experiment."""
 
-from __future__ import annotations
-
 from collections import deque
 import json
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Samples sent, and the latency of the references received."""
 
-from __future__ import annotations
-
 import time
 from typing import Any, Sequence
 

@@ -3,8 +3,6 @@
 
 """Record the topics to MCAP; a killed process loses at most the last second."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import time
 from typing import Any, Callable, Sequence

@@ -3,8 +3,6 @@
 
 """Start, run and shut down a node of this package, and its log."""
 
-from __future__ import annotations
-
 import gc
 import os
 import signal

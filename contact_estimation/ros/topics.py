@@ -3,8 +3,6 @@
 
 """Names, types, message classes and quality of service of the topics."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from importlib import import_module
 from typing import Any

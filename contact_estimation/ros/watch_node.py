@@ -3,8 +3,6 @@
 
 """Watch a running estimator, from a process of which the estimator is unaware."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import os
 from threading import Lock

@@ -3,8 +3,6 @@
 
 """The studies: whatever only measures. `python -m contact_estimation.studies NAME ...`."""
 
-from __future__ import annotations
-
 from importlib import import_module
 import sys
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Two public arms with a wrist sensor and a tool, and the MuJoCo models of any arm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 import sys

@@ -3,8 +3,6 @@
 
 """Arms in MuJoCo: under an impedance controller at a wall, or with a law concealed in a joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Callable, NamedTuple, Sequence

@@ -7,8 +7,6 @@ The library on two arms simulated in MuJoCo: tool, stiffness and damping, diagno
 Its commands get recordings with the faults of real sensors. Needs the extras `arms` and `tools`.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from contextlib import redirect_stderr, redirect_stdout
 import io

@@ -3,8 +3,6 @@
 
 """Rows of the on-line study: contacts with a spring and damper, and healthy sensors."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

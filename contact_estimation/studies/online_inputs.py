@@ -3,8 +3,6 @@
 
 """Rows of the on-line study: slow touches, noise, faults of the inputs, and glitches."""
 
-from __future__ import annotations
-
 from math import inf, nan
 from typing import Callable
 

@@ -3,8 +3,6 @@
 
 """Row of the on-line study: the full stiffness and damping matrices, with and without friction."""
 
-from __future__ import annotations
-
 from math import nan, pi
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 
 """Rows of the on-line study: what worlds are drawn from, and how right the session is."""
 
-from __future__ import annotations
-
 from math import isfinite, nan
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 

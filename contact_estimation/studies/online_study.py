@@ -8,8 +8,6 @@ The worlds are independent of `plant`: motions, walls and sensors of their own (
 Their messages pass `ContactSession` as those of the node and of replay do.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import partial
 from math import isfinite, nan

@@ -3,8 +3,6 @@
 
 """Rows of the on-line study: walls of other laws, and walls that change in contact."""
 
-from __future__ import annotations
-
 from itertools import product
 from math import inf, nan
 from typing import Any

@@ -3,8 +3,6 @@
 
 """Worlds of the on-line study: walls and sensors that share nothing with `plant`."""
 
-from __future__ import annotations
-
 from math import nan, pi, sqrt
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 

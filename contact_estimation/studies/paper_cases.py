@@ -3,8 +3,6 @@
 
 """The cases of the table, sections 4 and 5 of the paper: each runs with a seed to its errors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import nan
 import sys

@@ -3,8 +3,6 @@
 
 """Counterparts of the paper's figures: 5 to 9 simulated, 10 to 17 on the testbed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Sequence
 

@@ -3,8 +3,6 @@
 
 """Smooth paths with analytic derivatives, the sum of pieces, for the worlds of the studies."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Callable, Sequence
 

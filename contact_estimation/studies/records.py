@@ -3,8 +3,6 @@
 
 """Diagnose the records of a folder and score the names."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Mapping, NamedTuple, Sequence

@@ -3,8 +3,6 @@
 
 """Reproduce the paper's table and figures, off-line."""
 
-from __future__ import annotations
-
 from concurrent.futures import ProcessPoolExecutor
 from math import isfinite
 import os

@@ -3,8 +3,6 @@
 
 """Speed of node, estimators and replay, each against a reference in the same run."""
 
-from __future__ import annotations
-
 from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
 import gc

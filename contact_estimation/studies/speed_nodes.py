@@ -9,8 +9,6 @@ executor. It answers every wrench with the last setpoint, so that the plant move
 estimator.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """A planar arm of three links without gravity, and its impedance control by computed torque."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import acos, atan2, cos, hypot, sin, tanh
 from typing import NamedTuple

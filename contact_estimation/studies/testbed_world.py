@@ -3,8 +3,6 @@
 
 """Arm and wall of the testbed, integrated at 2 kHz, its sensors, and runs of it."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from math import exp, nan
 from typing import Callable, NamedTuple

@@ -3,8 +3,6 @@
 
 """From raw messages of a running estimator to a log for the view; independent of ROS."""
 
-from __future__ import annotations
-
 from math import isfinite, nan
 import re
 from typing import Any, Callable, Mapping, NamedTuple, Protocol

@@ -3,8 +3,6 @@
 
 """The view of a contact in Rerun, also of a recording; as a window, web page or file."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import sys

@@ -3,8 +3,6 @@
 
 """Recordings of whole arms: positions and efforts of all joints on one grid of time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path

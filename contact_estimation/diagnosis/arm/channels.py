@@ -3,8 +3,6 @@
 
 """Channels of an arm: what each joint's torque has beyond RNEA, and the columns of all laws."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Callable, Iterable, NamedTuple, Sequence, TYPE_CHECKING
 

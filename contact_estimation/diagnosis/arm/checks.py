@@ -3,8 +3,6 @@
 
 """Checks of recordings of an arm for wrong use, made before any physics is named."""
 
-from __future__ import annotations
-
 from copy import copy
 from itertools import combinations
 from typing import Any, Iterator, NamedTuple, Sequence

@@ -3,8 +3,6 @@
 
 """The diagnosis of a whole arm: checks, comparison of models, names, verdict of each joint."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Callable, Sequence
 

@@ -3,8 +3,6 @@
 
 """What an arm touches, diagnosed from force and motion of its tip alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from os import PathLike
 from typing import Any, Callable, Mapping, Sequence

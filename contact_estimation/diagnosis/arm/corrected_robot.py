@@ -3,8 +3,6 @@
 
 """The corrected description: URDF, and what MuJoCo takes of it."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """What is told of each name: values with bands, shares, and where in the motion."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

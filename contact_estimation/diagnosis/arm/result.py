@@ -3,8 +3,6 @@
 
 """The result of a diagnosis of a whole arm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

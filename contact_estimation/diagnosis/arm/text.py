@@ -3,8 +3,6 @@
 
 """The report of an arm as text, as plain data and as a page."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any
 

@@ -3,8 +3,6 @@
 
 """A measured and predicted signal: its noise, and the samples that count, block by block."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -9,8 +9,6 @@ drive without a spring. The innovations are those of the Kalman filter that weig
 position by their noise; for a force without noise they are the misfit of the free run.
 """
 
-from __future__ import annotations
-
 from math import exp, isfinite
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """A model that the diagnosis fits: base parameters, effects and their values in one vector."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 import re

@@ -3,8 +3,6 @@
 
 """A recording on an even time grid, with its motion smoothed and its noise known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt

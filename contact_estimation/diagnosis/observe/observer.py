@@ -9,8 +9,6 @@ The innovations x - x_predicted of an observer with cut-off omega_o forget it af
 and are white if the model is correct. Behind an elastic joint the link moves on its own.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import exp
 from typing import Sequence

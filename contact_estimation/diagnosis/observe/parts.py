@@ -3,8 +3,6 @@
 
 """The parts of a recording that are fitted, and its episodes of contact, some held out."""
 
-from __future__ import annotations
-
 from math import ceil, log10
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 
 """A recording that is ready to be fitted: smoothed, its noise known, a part held out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt

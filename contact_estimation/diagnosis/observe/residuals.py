@@ -9,8 +9,6 @@ the wall's force. A contact effect shows in both channels, a sensor effect in th
 robot effect in the motion alone; the noise of the two is independent.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

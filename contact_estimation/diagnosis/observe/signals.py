@@ -3,8 +3,6 @@
 
 """A recording and its signals, each with stamps of its own, and how they are read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path

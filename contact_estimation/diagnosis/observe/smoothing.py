@@ -3,8 +3,6 @@
 
 """Smooth motion from noisy positions, by the least bandwidth that leaves noise; its errors."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import NamedTuple, Sequence
 

@@ -3,8 +3,6 @@
 
 """Which samples of a recording count, and how many make one residual."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

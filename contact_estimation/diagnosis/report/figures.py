@@ -8,8 +8,6 @@ All are 4.8 inches wide: two side by side fill a desktop page, one a telephone. 
 differ in lightness too, so that they stay apart for the colour-blind and in print.
 """
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any, Mapping, Sequence
 

@@ -3,8 +3,6 @@
 
 """The report as plain data for JSON."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any
 

@@ -8,8 +8,6 @@ The report as one self-contained HTML page.
 part, what to change, what is open, and then everything else.
 """
 
-from __future__ import annotations
-
 from math import floor, isfinite, log10
 from typing import Any
 

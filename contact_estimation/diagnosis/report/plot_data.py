@@ -3,8 +3,6 @@
 
 """The series that the figures of a diagnosis show."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import Mapping, NamedTuple
 

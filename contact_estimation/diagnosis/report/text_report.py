@@ -3,8 +3,6 @@
 
 """The report as text for a terminal."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 from .wording import (

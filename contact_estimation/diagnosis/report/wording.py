@@ -3,8 +3,6 @@
 
 """The sentences that the text and the page share."""
 
-from __future__ import annotations
-
 from math import isfinite, sqrt
 from typing import Sequence
 

@@ -3,8 +3,6 @@
 
 """Concealed worlds of whole arms: drawn, recorded, diagnosed blind, scored."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from functools import partial

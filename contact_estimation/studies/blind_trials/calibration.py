@@ -3,8 +3,6 @@
 
 """Calibration of the constants of a decision, on trials with known truth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 import json
 from pathlib import Path

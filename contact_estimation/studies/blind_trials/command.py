@@ -3,8 +3,6 @@
 
 """Evaluate `diagnose` on randomised worlds with known ground truth."""
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 from typing import Any, Iterable, NamedTuple, Sequence

@@ -9,8 +9,6 @@ of the same world without the law. For laws that the motion of the robot tells: 
 residual of eq. (1) with the nominal robot.
 """
 
-from __future__ import annotations
-
 from math import hypot, pi, sqrt
 from typing import Callable, NamedTuple
 

@@ -3,8 +3,6 @@
 
 """Random worlds: ideal ones; robots that press, attached specimens and drives of laboratories."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi, sqrt
 from typing import Callable, Mapping

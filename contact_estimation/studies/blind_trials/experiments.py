@@ -3,8 +3,6 @@
 
 """Randomised experiments: touches of a wall, and motions of what is attached."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Callable, Mapping, NamedTuple
 

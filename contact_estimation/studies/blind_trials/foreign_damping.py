@@ -3,8 +3,6 @@
 
 """Contacts that damp or relax."""
 
-from __future__ import annotations
-
 from math import exp, expm1, sqrt
 from typing import Any
 

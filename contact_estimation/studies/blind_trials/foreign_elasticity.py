@@ -3,8 +3,6 @@
 
 """Springs that are not linear or not constant, and adhesion."""
 
-from __future__ import annotations
-
 from math import copysign, exp, expm1, log1p, pi, sin, tanh
 from typing import Any
 

@@ -3,8 +3,6 @@
 
 """Friction and hysteresis in the contact."""
 
-from __future__ import annotations
-
 from math import exp, pi, sin, sqrt, tanh
 from typing import Any
 

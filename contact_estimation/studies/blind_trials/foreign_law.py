@@ -3,8 +3,6 @@
 
 """Base classes of laws of the literature, independent of the effects of the library."""
 
-from __future__ import annotations
-
 from math import sqrt
 from types import SimpleNamespace
 from typing import Any, Callable, ClassVar, Mapping, NamedTuple

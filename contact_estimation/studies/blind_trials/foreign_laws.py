@@ -7,8 +7,6 @@ Laws of the literature that are not in the vocabulary of the diagnosis, by name.
 To add one: a class in the file of its topic and a line in ALL_LAWS.
 """
 
-from __future__ import annotations
-
 from .foreign_damping import (
     FractionalRelaxation, JankowskiPounding, KuwabaraKono, PowerLawDamper, PronyRelaxation,
     QuasiLinearViscoelasticity, TsujiDamping)

@@ -3,8 +3,6 @@
 
 """Robots."""
 
-from __future__ import annotations
-
 from math import exp, pi, sin, tanh
 from typing import Any
 

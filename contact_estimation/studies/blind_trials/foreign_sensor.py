@@ -3,8 +3,6 @@
 
 """Force sensors."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Sequence
 

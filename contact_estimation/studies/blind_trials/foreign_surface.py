@@ -3,8 +3,6 @@
 
 """Surfaces that move or ring."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin
 from typing import Any
 

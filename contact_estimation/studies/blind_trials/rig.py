@@ -3,8 +3,6 @@
 
 """Simulation of a rig: a world with nuisances, under a law of the literature or none."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import pi
 from typing import Any, Callable, NamedTuple

@@ -3,8 +3,6 @@
 
 """The steps of a trial, of a contact or an arm: written, diagnosed blind, read for its score."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import sys

@@ -8,8 +8,6 @@ A name is right if it, or one that its report calls indistinguishable from it, i
 world that obeys the library's laws the concealed effect alone, on a rig the effects of a family.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median

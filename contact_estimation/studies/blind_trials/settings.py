@@ -3,8 +3,6 @@
 
 """Where laws are concealed: own effects in the plant's ideal worlds, those of others on rigs."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import replace
 import math

@@ -3,8 +3,6 @@
 
 """A trial: a random world, one law or none concealed in it, a nominal model without it."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from math import exp, inf, log
 from pathlib import Path

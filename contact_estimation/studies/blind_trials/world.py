@@ -3,8 +3,6 @@
 
 """A world in which the nominal model lacks nothing, its true signals and its measurement."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import NamedTuple
