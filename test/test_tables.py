@@ -183,13 +183,16 @@ def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     np.testing.assert_equal(first, second)
 
 
-def test_texts_and_lists_of_parquet_are_not_expanded(tmp_path: Path) -> None:
+def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path) -> None:
     pyarrow = pytest.importorskip('pyarrow')
     from pyarrow import parquet
 
     columns = {'t': [0.0, 0.1], 'pose': [{'z': 1.0}, {'z': 2.0}], 'note': ['x', 'y'],
                'skin': [[1.0], [2.0, 3.0]], 'Fz': [1.0, 2.0]}
     parquet.write_table(pyarrow.table(columns), tmp_path / 'a.parquet')
+    parquet.write_table(pyarrow.table({'t': pyarrow.array([], 'f8')}), tmp_path / 'b.parquet')
+    with pytest.raises(ce.ContactEstimationError, match='must have rows of numbers, got none'):
+        read_columns(tmp_path / 'b.parquet')
     file = parquet.ParquetFile
     with mock.patch.object(file, 'read', autospec=True, side_effect=file.read) as read:
         assert list(read_columns(tmp_path / 'a.parquet')) == ['t', 'pose.z', 'Fz']

@@ -112,7 +112,7 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
             name = f'{name}_ns'
         if array.dtype.kind in 'iufb' and array.ndim in (1, 2):
             array = array.T if array.ndim == 2 and len(array) < len(array.T) else array
-            own = array.reshape(len(array), -1).T
+            own = np.atleast_2d(array.T)
             names = [name] if array.ndim == 1 else [f'{name}_{k}' for k in range(1, len(own) + 1)]
             found.update(zip((prefix + each for each in names), own))
     lengths = [len(column) for column in found.values()]
