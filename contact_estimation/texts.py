@@ -11,7 +11,15 @@ from typing import Any, Iterable, Sequence
 
 import yaml
 
-_LFS_POINTER = b'version https://git-lfs'  # begins what stands for a file not yet fetched
+_FOREIGN = {
+    b'version https://git-lfs': 'it is a Git LFS pointer; get the file with: git lfs pull',
+    b'PK\3\4': 'it is a ZIP archive or a spreadsheet (.xlsx); unpack it, or save the sheet as CSV',
+    b'\xd0\xcf\x11\xe0': 'it is a spreadsheet (.xls); save the sheet as CSV',
+    b'\x1f\x8b': 'it is compressed (gzip); decompress it first',
+    b'BZh': 'it is compressed (bzip2); decompress it first',
+    b'\xfd7zXZ': 'it is compressed (xz); decompress it first',
+}
+"""What begins a file that no reader takes, and what to do about it; rosbag2 writes zstd."""
 MOST_BYTES = 1 << 20
 """Longest YAML file; parameter files hold some 20 kB."""
 MOST_LEVELS = 50
@@ -60,13 +68,15 @@ def write_whole(file: Path, data: bytes) -> None:
 
 
 def require_content(path: Path) -> None:
-    """Require a regular file that is no pointer to another."""
+    """Require a regular file that holds the data themselves, not compressed."""
     if not path.is_file() and path.exists():
         raise ValueError(
             'expected a regular file, got a folder, pipe or device; save it to a file first')
     with open(path, 'rb') as stream:
-        if stream.read(len(_LFS_POINTER)) == _LFS_POINTER:
-            raise ValueError('it is a Git LFS pointer; get the file with: git lfs pull')
+        start = stream.read(max(map(len, _FOREIGN)))
+    for magic, text in _FOREIGN.items():
+        if start.startswith(magic):
+            raise ValueError(text)
 
 
 def text_file(path: Path, most: int = 1 << 26) -> str:

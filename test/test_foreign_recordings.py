@@ -212,11 +212,14 @@ def test_chunk_that_holds_more_than_it_states_is_damage(
 
 
 @pytest.mark.parametrize('name', ['a.mcap', 'a.csv', 'a.parquet', 'a.mat', 'a.db3', 'a.urdf'])
-def test_git_lfs_pointer_and_pipe_are_named(tmp_path: Path, name: str) -> None:
+def test_file_that_holds_no_data_itself_is_named(tmp_path: Path, name: str) -> None:
     read = read_description if name == 'a.urdf' else RecordingReader
-    (tmp_path / name).write_text('version https://git-lfs.github.com/spec/v1\n')
-    with pytest.raises(ContactEstimationError, match='Git LFS pointer; .* git lfs pull'):
-        read(tmp_path / name)
+    for start, text in ((b'version https://git-lfs.github.com/spec/v1\n', 'git lfs pull'),
+                        (b'\x1f\x8b\x08', r'compressed \(gzip\); decompress'),
+                        (b'PK\3\4', r'spreadsheet \(.xlsx\); unpack it, or save')):
+        (tmp_path / name).write_bytes(start)
+        with pytest.raises(ContactEstimationError, match=text):
+            read(tmp_path / name)
     (tmp_path / 'pipe').mkdir()
     os.mkfifo(tmp_path / 'pipe' / name)
     with pytest.raises(ContactEstimationError, match='got a folder, pipe or device'):

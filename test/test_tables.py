@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import contact_estimation as ce
 from contact_estimation.commands.convert import main as convert
@@ -76,6 +77,12 @@ def test_columns_are_found_by_the_names_of_common_logs(
     'timestamp,F,x\n1700000000000,1.5,0.1\n1700000000100,2.5,0.2\n',
     'timestamp,F,x\n1700000000000000,1.5,0.1\n1700000000100000,2.5,0.2\n',
     't,F,x\n0.0,1.5,0.1\n0.1,2.5,0.2\n1e300,1,1\ninf,1,1\n,1,1\n',
+    't,F,x\n0.0,1.5,0.1,\n0.1,2.5,0.2,\n',
+    't,wrench,pose\n,force_x,x\n0.0,1.5,0.1\n0.1,2.5,0.2\n',
+    ',Force,,Position,\ntime,x,y,x,y\n0.0,1.5,0,0.1,0\n0.1,2.5,0,0.2,0\n',
+    't,F,x,x\n0.0,1.5,0.1,0.1\n0.1,2.5,0.2,0.2\n',
+    '%time,field.wrench.force.x,field.pose.position.x\n'
+    '1700000000000000000,1.5,0.1\n1700000000100000000,2.5,0.2\n',
     't,skin,force,tcp\n0.0,"[[1 2]\n [3 4]]","[1.5, 0.0, 0.0]","(0.1, 0.0)"\n'
     '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n',
 ])
@@ -110,7 +117,7 @@ def test_numbers_of_typesetters_are_read(tmp_path: Path, number: str, value: flo
 def test_case_tells_a_nanometre_from_a_newton_metre(
     tmp_path: Path, header: str, units: tuple[str, ...]
 ) -> None:
-    (tmp_path / 'a.csv').write_text(f'{header}\n0,1,5,3\n1,2,6,4\n')
+    (tmp_path / 'a.csv').write_text(f'{header}\n0,1,5,3\n0.1,2,6,4\n')
     found = ce.read_table(tmp_path / 'a.csv', units=units)
     np.testing.assert_allclose(found['wrench.force.z'], [1e-9, 2e-9])
     np.testing.assert_allclose(found['joint.z'], [5e-9, 6e-9])
@@ -119,7 +126,7 @@ def test_case_tells_a_nanometre_from_a_newton_metre(
 
 def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
     rows = ''.join(f'{k};0;0\n' for k in range(300))
-    (tmp_path / 'a.csv').write_text(f't;F;x\n{rows}300;-0,125;0,5\n')
+    (tmp_path / 'a.csv').write_text(f't_ms;F;x\n{rows}300;-0,125;0,5\n')
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
 
 
@@ -141,14 +148,14 @@ def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
 
 
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n1,2,6\n', encoding='latin-1')
+    (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n0.1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
 
 
 def test_cells_without_a_number_are_reported(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x\n0,1,1\n1,over,1\n2,1,NA\n')
+    (tmp_path / 'a.csv').write_text('t_ms,F,x\n0,1,1\n1,over,1\n2,1,NA\n')
     said = Command('convert', convert, capfd)(tmp_path / 'a.csv', tmp_path / 'b.mcap').out
     assert "F (1 cells hold no number, the first 'over') joint.x=x\n" in said
 
@@ -176,6 +183,22 @@ def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     np.testing.assert_equal(first, second)
 
 
+def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip('pyarrow')
+    from pyarrow import parquet
+
+    columns = {'t': [0.0, 0.1], 'pose': [{'z': 1.0}, {'z': 2.0}], 'note': ['x', 'y'],
+               'skin': [[1.0], [2.0, 3.0]], 'Fz': [1.0, 2.0]}
+    parquet.write_table(pyarrow.table(columns), tmp_path / 'a.parquet')
+    parquet.write_table(pyarrow.table({'t': pyarrow.array([], 'f8')}), tmp_path / 'b.parquet')
+    with pytest.raises(ce.ContactEstimationError, match='must have rows of numbers, got none'):
+        read_columns(tmp_path / 'b.parquet')
+    file = parquet.ParquetFile
+    with mock.patch.object(file, 'read', autospec=True, side_effect=file.read) as read:
+        assert list(read_columns(tmp_path / 'a.parquet')) == ['t', 'pose.z', 'Fz']
+    assert read.call_args.kwargs == {'columns': ['t', 'pose.z', 'Fz']}
+
+
 @pytest.mark.parametrize('header, options, text', [
     ('t,a,b', {}, "no column for wrench.force.z .* columns: 't', 'a', 'b'; .*--columns"),
     ('a,Fz,z', {}, 't=500Hz'),
@@ -196,6 +219,33 @@ def test_table_that_is_not_understood_says_how_to_choose(
 def test_column_without_a_time_is_refused(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x\n,1,1\nNA,1,2\ninf,1,2\n')
     with pytest.raises(ce.ContactEstimationError, match="column 't' holds no time: .* t=500Hz"):
+        ce.read_table(tmp_path / 'a.csv')
+
+
+def test_time_without_a_unit_is_refused_where_seconds_cannot_be_meant(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n0,1,1\n5,2,1\n10,3,1\n')
+    with pytest.raises(ce.ContactEstimationError, match="'t' .* rises by 5 a row: .*--units ms"):
+        ce.read_table(tmp_path / 'a.csv')
+    assert ce.read_table(tmp_path / 'a.csv', units=('ms',))['t'].tolist() == [0.0, 0.005, 0.01]
+    assert ce.read_table(tmp_path / 'a.csv', units=('s',))['t'].tolist() == [0.0, 5.0, 10.0]
+
+
+def test_columns_of_one_name_are_chosen_by_place(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x,x\n0.0,1,1,2\n0.1,1,3,4\n')
+    with pytest.raises(ce.ContactEstimationError, match="may be joint.x: 'column 3: x', 'column"):
+        ce.read_table(tmp_path / 'a.csv')
+    found = ce.read_table(tmp_path / 'a.csv', columns={'joint.x': '-4'})
+    assert found['joint.x'].tolist() == [-2.0, -4.0]
+
+
+def test_a_row_of_another_length_leaves_the_names(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,1\n0.1,1,2,late\n0.2,1,3\n0.3,1,4\n')
+    np.testing.assert_equal(ce.read_table(tmp_path / 'a.csv')['joint.x'], [np.nan, 2.0, 3.0, 4.0])
+
+
+def test_signal_without_a_number_is_refused(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,nan,1\n0.1,nan,2\n')
+    with pytest.raises(ce.ContactEstimationError, match="must hold finite numbers, .* 'F';"):
         ce.read_table(tmp_path / 'a.csv')
 
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import re
+from shlex import quote
 from typing import Mapping, Sequence
 
 import numpy as np
@@ -17,6 +18,8 @@ from ..exceptions import RecordingError
 Signals = dict[str, NDArray[np.float64]]
 
 _LAST_NS = 1e9 * 2**31  # stamps have 32 bits for seconds
+_FIRST_DATE_NS = 1e18  # of 2001: numbers since 1970, or dates
+_LONGEST_STEP_NS = 5e8  # synchronisation.time_jump_s: each row would be a jump of the clock
 _FRACTIONS = {'nano': 1, 'n': 1, 'micro': 1000, 'u': 1000}  # names of parts of a second, in ns
 _SMALL = {'': 1.0, 'm': 1e-3, 'u': 1e-6, 'µ': 1e-6, 'μ': 1e-6, 'n': 1e-9, 'p': 1e-12}
 _UNITS: dict[str, tuple[str, float]] = {
@@ -77,6 +80,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
      'joint.{0}'),
     (rf'{_MEASURED}_(?:force|load)', 'wrench.force.x'),
     (rf'{_MEASURED}_(?:{_POSITION})', 'joint.x'),
+    (rf'{_MEASURED}_position_([xyz])', 'joint.{0}'),  # rostopic echo -p
 )
 
 
@@ -124,6 +128,13 @@ def signals_of_columns(
                     f'first {text[:40]!r}; choose another with --columns {key}=COLUMN')
             factor = _factor(key, name, general) * (1.0 if source in columns else -1.0)
             signals[key] = factor * columns[name].astype(np.float64)
+    for kind in ('wrench.', 'joint.'):
+        own = [key for key in signals if key.startswith(kind)]
+        if own and not any(np.isfinite(signals[key]).any() for key in own):
+            raise RecordingError(
+                f'columns of {where} must hold finite numbers, got none in '
+                f'{", ".join(repr(sources[key]) for key in own)}; choose others with --columns '
+                f'{own[0]}=COLUMN')
     stamp_ns = _stamps(sources['t'], columns, general, len(next(iter(columns.values()))))
     rows = stamp_ns >= 0
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
@@ -132,7 +143,7 @@ def signals_of_columns(
 def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
     """Choose the column of each signal."""
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
-    chosen = {key: _with_unit(column, columns) for key, column in chosen.items()}
+    chosen = {key: _full_name(column, columns) for key, column in chosen.items()}
     for key, column in chosen.items():
         if not is_key(key):
             raise RecordingError(
@@ -144,7 +155,9 @@ def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) 
     found: dict[str, list[str]] = {}
     for rank, key, name in sorted((*_rank_and_key(name), name) for name in columns):
         if key and key not in chosen and name not in chosen.values():
-            if key not in found or rank == _rank_and_key(found[key][0])[0]:
+            same = [twin for twin in found.get(key, ())
+                    if np.array_equal(columns[name], columns[twin], equal_nan=True)]
+            if key not in found or rank == _rank_and_key(found[key][0])[0] and not same:
                 found.setdefault(key, []).append(name)
     # Whoever chooses joints or a reference wants no others.
     kinds = {key.split('.')[0] for key in chosen} & {'joint', 'reference'}
@@ -153,23 +166,25 @@ def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) 
         if len(names) > 1:
             raise RecordingError(
                 f'several columns of {where} may be {key}: {", ".join(map(repr, names))}; choose '
-                f'with --columns {key}={names[0]}')
+                f'with --columns {quote(f"{key}={names[0]}")}')
     return {**{key: names[0] for key, names in found.items()}, **chosen}
 
 
-def _with_unit(name: str, columns: Columns) -> str:
-    """Return the one column of a name that was given without its unit, else the name."""
+def _full_name(name: str, columns: Columns) -> str:
+    """Return the name of a column that was given without its unit, or by its place from 1."""
     bare = name.removeprefix('-')
-    same = [column for column in columns if _UNIT.sub('', column.strip()).strip() == bare]
-    if name in columns or bare in columns or len(same) != 1:
+    if name in columns or bare in columns:
         return name
-    return same[0] if bare == name else f'-{same[0]}'
+    same = [column for place, column in enumerate(columns, 1)
+            if bare in (_UNIT.sub('', column.strip()).strip(), str(place))]
+    return name if len(same) != 1 else same[0] if bare == name else f'-{same[0]}'
 
 
 def _rank_and_key(name: str) -> tuple[int, str]:
     """Return the place in `_NAMES` of what a name means, and the signal; '' for none."""
     if is_key(name):
         return -1, name
+    name = re.sub(r'^column \d+: ', '', name)  # one of several of that name
     plain = re.sub(r'\W+', '_', _UNIT.sub('', name.lower().strip())).strip('_')
     plain = re.sub(r'(_(?:measurement|measured|value|reading|signal|channel))+$', '', plain)
     for rank, (pattern, key) in enumerate(_NAMES):
@@ -216,7 +231,8 @@ def _stamps(
     if source not in columns:  # a rate
         return np.rint(np.arange(count) * 1e9 / float(source[:-2])).astype(np.int64)
     column = columns[source]
-    factor = 1e9 * _factor('t', source, general)
+    stated = _factor('t', source, {'time': np.nan, **general})
+    factor = 1e9 * (1.0 if np.isnan(stated) else stated)
     time = np.where(np.abs(column) < 1e22, column, np.inf)
     while 1e20 < factor * np.median(time) < np.inf:
         factor /= 1000.0  # ms, us or ns: no recording is of the year 5000
@@ -224,9 +240,11 @@ def _stamps(
     near -= min(0.0, near.min(where=np.abs(near) < _LAST_NS, initial=0.0))
     known = (near >= 0.0) & (near < _LAST_NS)
     if not known.any():
+        got = columns.odd.get(source, (0, ''))[1][:40]
         raise RecordingError(
             f'column {source!r} holds no time: expected seconds or dates such as 2026-01-31 '
-            '12:00:00.5; choose with --columns t=COLUMN, or without one t=500Hz')
+            f'12:00:00.5{f", got {got!r}" if got else ""}; choose with --columns t=COLUMN, or '
+            'without one t=500Hz')
     exact = column.dtype.kind == 'i' and abs(factor - round(factor)) < 1e-6
     stamp_ns: NDArray[np.int64] = column * round(factor) if exact else np.rint(
         np.where(known, column, 0.0) * factor).astype(np.int64)
@@ -234,6 +252,12 @@ def _stamps(
         name = re.sub(r'(?=(?:sec|second)s?$)', prefix, source)
         part = np.nan_to_num(columns[name] if name in columns and name != source else 0) * unit_ns
         if np.all((part >= 0) & (part < 1e9)):
-            stamp_ns = stamp_ns + np.rint(part).astype(np.int64)
+            stamp_ns, near = stamp_ns + np.rint(part).astype(np.int64), near + part
+    near = np.sort(near[np.isfinite(near)])
+    step = float(np.median(np.diff(near))) if len(near) > 1 else 0.0
+    if np.isnan(stated) and near[0] < _FIRST_DATE_NS and step >= _LONGEST_STEP_NS:
+        raise RecordingError(
+            f'column {source!r} has no unit, and rises by {1e-9 * step:.6g} a row: expected less '
+            f'than {1e-9 * _LONGEST_STEP_NS:g} s; give its unit, such as --units ms, or --units s')
     stamp_ns = stamp_ns - min(0, int(stamp_ns[known].min()))
     return np.where(known, stamp_ns, -1)

@@ -57,9 +57,12 @@ def _parquet(path: Path) -> Columns:
     except ImportError as error:
         raise MissingPackageError.of('pyarrow', f'reading {path}') from error
     try:
-        metadata = parquet.read_metadata(path)
-        _require_size(path, metadata.num_rows * metadata.num_columns)
-        table = parquet.read_table(path)
+        with parquet.ParquetFile(path) as file:
+            leaves = map(file.metadata.schema.column, range(file.metadata.num_columns))
+            numbers = [leaf.path for leaf in leaves  # a text or a list may expand to any size
+                       if 'BYTE_ARRAY' not in leaf.physical_type and not leaf.max_repetition_level]
+            _require_size(path, file.metadata.num_rows * len(numbers))
+            table = file.read(columns=numbers)
         while any(map(types.is_struct, table.schema.types)):
             table = table.flatten()
         return _of_arrays({name: column.to_numpy()
@@ -109,7 +112,7 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
             name = f'{name}_ns'
         if array.dtype.kind in 'iufb' and array.ndim in (1, 2):
             array = array.T if array.ndim == 2 and len(array) < len(array.T) else array
-            own = array.reshape(len(array), -1).T
+            own = np.atleast_2d(array.T)
             names = [name] if array.ndim == 1 else [f'{name}_{k}' for k in range(1, len(own) + 1)]
             found.update(zip((prefix + each for each in names), own))
     lengths = [len(column) for column in found.values()]

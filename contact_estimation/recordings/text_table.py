@@ -5,10 +5,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 import csv
 from itertools import islice
 from pathlib import Path
 import re
+from statistics import mode
 from typing import Any, Iterable, Iterator, Sequence
 
 import numpy as np
@@ -29,7 +31,7 @@ class Columns(dict[str, NDArray[Any]]):
 
 _HEAD = 200  # lines in which the data begin
 _DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
-_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|[a-zA-Z%/]{0,4}')
+_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|(?![xyz]$)[a-zA-Z%/]{0,4}')  # x is an axis
 _LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
 _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
 _LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
@@ -48,7 +50,7 @@ def read_text(path: Path) -> Columns:
         if first is None:
             return Columns()
         rows = list(_rows([line.lstrip('#% ') for line in head], delimiter))
-        names = _names(rows[:first], len(rows[first]))
+        names = _names(rows[:first], rows[first:])
         mark = _decimal_mark([cell for row in rows[first:] for cell in row], delimiter)
         stream.seek(0)
         try:
@@ -119,22 +121,41 @@ def _numbers_in(row: Sequence[str]) -> int:
     return count if 2 * count > len(filled) else 0
 
 
-def _names(above: Sequence[Sequence[str]], count: int) -> list[str]:
-    """Name the columns by the last rows above the data, of which the last may hold units."""
+def _names(above: Sequence[list[str]], data: Sequence[list[str]]) -> list[str]:
+    """Name the columns by the last rows above the data: groups, names, units."""
+    count = mode(map(len, filter(None, data)))
+    if all(len(row) != count for row in above):  # a delimiter ends each row, or some
+        above, data = list(map(_without_end, above)), list(map(_without_end, data))
+        count = max(map(len, data))
     rows = [[cell.strip('"\' ') for cell in row] for row in above if len(row) == count]
-    names = [str(place) for place in range(1, count + 1)]
-    if rows:
-        names = rows[-1]
-        units = list(map(_UNIT.fullmatch, rows[-1]))
-        in_brackets = sum(cell.startswith(('[', '(')) for cell in rows[-1] if cell)
-        if len(rows) > 1 and (all(units) or 2 * in_brackets > sum(map(bool, rows[-1]))):
-            names = [f'{name} [{unit.strip("[]()")}]' if is_unit else name
-                     for name, unit, is_unit in zip(*rows[-2:], units)]
-    seen: dict[str, int] = {}
-    for place, name in enumerate(names):
-        seen[name] = seen.get(name, 0) + 1
-        names[place] = name if name and seen[name] == 1 else f'{name or "column"} {place + 1}'
-    return names
+    if not rows:
+        return [str(place) for place in range(1, count + 1)]
+    units = [''] * count
+    if len(rows) > 1 and _are_units(*rows[-2:]):
+        units = [cell if _UNIT.fullmatch(cell) else '' for cell in rows.pop()]
+    names, groups = rows[-1], rows[-2] if len(rows) > 1 else [''] * count
+    for place in range(1, count):  # a group is named above its first column
+        groups[place] = groups[place] or groups[place - 1]
+    counts = Counter(names)
+    names = [f'{group} {name}'.strip() if not name or counts[name] > 1 else name
+             for group, name in zip(groups, names)]
+    counts = Counter(names)
+    return [(f'column {place}: {name}' if name and counts[name] > 1
+             else name or f'column {place}') + (f' [{unit.strip("[]()")}]' if unit else '')
+            for place, (name, unit) in enumerate(zip(names, units), 1)]
+
+
+def _without_end(row: list[str]) -> list[str]:
+    """Return a row without the empty cells at its end."""
+    return row[:max((place for place, cell in enumerate(row, 1) if cell.strip()), default=0)]
+
+
+def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
+    """Return whether a row holds the units of names."""
+    cells = [(name, cell) for name, cell in zip(names, row) if cell]
+    in_brackets = sum(cell.startswith(('[', '(')) for _, cell in cells)
+    return 2 * in_brackets > len(cells) or all(
+        name and _UNIT.fullmatch(cell) for name, cell in cells)
 
 
 def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:

@@ -79,9 +79,9 @@ def check_signals(signals: Signals) -> None:
     for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
         if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(
-                f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES} with '
-                'different stamps; stamp every header, record longer or at a higher rate, or take '
-                'the time of reception with --stamps received'
+                f'{name} must have at least {LEAST_SAMPLES} different stamps, got {len(stamps)}; '
+                'stamp every header, record longer or at a higher rate, or take the time of '
+                'reception with --stamps received'
             )
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),

@@ -314,8 +314,8 @@ class InputChecks:
         place = ('environment.location is taken at first touch'
                  if pipeline.surface.location != pipeline.surface.location
                  else f'where environment.location is {pipeline.surface.location:.4g} m')
-        return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
-                f'{pipeline.posterior.contact.threshold:.3g} N; x reaches {deepest:.4g} m, '
+        return (f'the largest pressing force is {pressing + 0.0:.3g} N, where contact begins '
+                f'above {pipeline.posterior.contact.threshold:.3g} N; x reaches {deepest:.4g} m, '
                 f'{place}')
 
     def _text(self, check: Check, axis: str) -> str:
