@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Callable, Iterable, NamedTuple, Sequence, TYPE_CHECKING
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
 from .arm_recording import ArmRecording, Array, Flags, GAP
@@ -169,8 +170,9 @@ class Channels:
     def _motion(self, stretch: _Stretch) -> JointMotion:
         period = float(stretch.t[1] - stretch.t[0])
         q = low_pass(stretch.q, 1.0 / period, _POSITION * self.cut_off)
-        v = np.gradient(q, period, axis=0)
-        a = np.gradient(v, period, axis=0)
+        # Central differences take (2 pi f period)^2 / 3 of q'' away, as a flexible joint adds.
+        course = make_interp_spline(stretch.t, q, k=5)
+        v, a = (course.derivative(k)(stretch.t) for k in (1, 2))
         outside = Outside(stretch.frame, stretch.wrench) if stretch.frame else None
         load = self.arm.torque(q, v, a) - self.arm.torque_from(q, outside)
         return JointMotion(self.arm, q, v, a, load, v[0], q[0],
