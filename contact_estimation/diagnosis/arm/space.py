@@ -71,21 +71,20 @@ class ArmModels:
             counts.setdefault(term.effect, set()).add(term.place)
         self._places = {name: log(len(places)) for name, places in counts.items()}
         self._seen = dict[Model, 'Scored | None']()
-        self._zero = self._evidence_of(self._scored(self.zeros))
-        plain = self._refined(self.zeros)
-        self._again(plain)
-        self._plain = self._refined(plain)
-        self._again(self._plain)
+        self._begin()
+        self._plain = self.zeros
+        for _ in range(2):
+            self._plain = self._refined(self._plain)
+            left_out = self.gram.fit(self._plain).left_out
+            self.gram.set_weights(self.gram.weights_for(left_out))
+            self._begin()
 
-    def _again(self, model: Model) -> None:
-        """Weigh the joints by what a model leaves of them, and forget all fits."""
-        self.gram.set_weights(self.gram.weights_for(self.gram.fit(model).left_out))
+    def _begin(self) -> None:
+        """Forget all fits, which had other weights of the joints."""
         self._seen.clear()
-        self._zero = self._evidence_of(self._scored(self.zeros))
-
-    def _evidence_of(self, base: Scored | None) -> Evidence:
+        base = self._scored(self.zeros)
         assert base is not None
-        return Evidence(
+        self._zero = Evidence(
             base, np.zeros(len(self.gram.joints)), self.gram.floor, self.constants, white=False)
 
     def evidence(self) -> Evidence:
@@ -165,24 +164,24 @@ class ArmModels:
         # Laws that lack together hide each other: from all usual ones, too, down to those needed.
         usual = {term for term in self._local[j]
                  if term.effect in _USUAL and not term.shape > self._sharp[j]}
-        ends = [self._climb(judge, start, model - mine, self._local[j])
-                for start in (mine, mine | frozenset(self._can_add(mine, usual)))]
-        return frozenset(model - mine | max(ends, key=judge.score))
+        scores = judge.scores(self._climb(judge, start, model - mine, self._local[j])
+                              for start in (mine, mine | frozenset(self._can_add(mine, usual))))
+        best = max(scores, key=lambda one: scores[one])
+        return frozenset(model - mine | best)
 
     def _climb(
         self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
     ) -> Model:
         """Change a law at a time as long as a joint gains."""
-        here = judge.score(mine)
         for _ in range(_STEPS):
-            scores = judge.scores(self.neighbours(mine, every))
-            better = sorted((one for one in scores if scores[one] > here), key=lambda one:
-                            -scores[one])
+            scores = judge.scores([mine, *self.neighbours(mine, every)])
+            better = sorted((one for one in scores if scores[one] > scores[mine]),
+                            key=lambda one: -scores[one])
             # Values may prove impossible once the shared coefficients are fitted, too.
             found = next((one for one in better if self.score(rest | one) > -np.inf), None)
             if found is None:
                 break
-            mine, here = found, scores[found]
+            mine = found
         return mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
@@ -252,7 +251,7 @@ class ArmModels:
         for k, j in enumerate(self.gram.joints):
             judge = _JointJudge(self, model, k)
             mine = frozenset(judge.local)
-            best = judge.score(mine)
+            best = judge.scores([mine])[mine]
             for term in sorted(mine - self.zeros):
                 scores = judge.scores(mine - {term} | {other} for other in self._can_add(
                     mine - {term}, self._local[j]) if other != term)
@@ -298,10 +297,6 @@ class _JointJudge:
         # What the shared coefficients leave, of the fits without each block, and of that on all.
         self._rest = c - np.einsum('bpo,fbo->fbp', G[:, :, outer], own)
         self._square = remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], own)
-
-    def score(self, mine: Model) -> float:
-        """Return log likelihood and prior of the joint's blocks."""
-        return self.scores([mine])[mine]
 
     def scores(self, models: Iterable[Model]) -> dict[Model, float]:
         """Return the score of each of C sets of laws of the joint, fitted at once."""
