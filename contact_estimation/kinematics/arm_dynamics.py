@@ -149,6 +149,14 @@ class ArmDynamics:
         return np.array([each(model, data, self.configuration(x), y, z)
                          for x, y, z in zip(q, v, a)])
 
+    def derivatives(self, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
+        """Return the derivatives of RNEA by q, q' and q'' (the mass matrix), (N, n, n) each."""
+        each, model, data = self._library.computeRNEADerivatives, self.model, self.data
+        by_q, by_v, by_a = zip(*(
+            [one.copy() for one in each(model, data, self.configuration(x), y, z)]
+            for x, y, z in zip(q, v, a)))
+        return np.array(by_q), np.array(by_v), np.array(by_a)
+
     def tilt(self, q: Array) -> Array:
         """Return the torque per angle by which the base is tilted about y and -x, (N, n, 2)."""
         pin, gravity = self._library, self.model.gravity.linear.copy()

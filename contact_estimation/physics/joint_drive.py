@@ -22,9 +22,8 @@ def _from_middle(motion: JointMotion, j: Any) -> Array:
 
 
 def _lagging(motion: JointMotion, j: int, shift: Array) -> dict[int, Array]:
-    """Return the change of RNEA per unit of what a joint's link lags by, in all joints."""
-    small = 1e-4 / (np.abs(shift).max() + 1e-12)
-    change = motion.moved(j, small * shift) / small
+    """Return what a lag of a joint's link adds to the torques of all joints."""
+    change = motion.lagging(j, shift)
     return {k: change[:, k][:, None] for k in range(change.shape[1])}
 
 
@@ -40,7 +39,7 @@ def through_gap(motion: JointMotion, j: int, gap: float) -> Array:
 
     Free between the ends of the gap, y'' = load / I_j, and without a rebound at them.
     """
-    rates = (motion.carried[:, j] / np.maximum(motion.inertia[:, j], _LIGHT)).tolist()
+    rates = (motion.carried[:, j] / np.maximum(motion.slopes[2][:, j, j], _LIGHT)).tolist()
     h, half = motion.period, 0.5 * gap
     y, speed, lag = half if rates[0] > 0.0 else -half, 0.0, []
     for rate in rates:

@@ -12,6 +12,8 @@ import numpy as np
 from .numeric import Array
 from ..kinematics.arm_dynamics import ArmDynamics, Outside
 
+_STEP = 1e-6  # of finite differences [rad]
+
 Place = Any
 """A joint, or the link that it moves: int; two joints and the sign of their sum; the arm: None."""
 
@@ -35,11 +37,7 @@ class JointMotion:
     period: float = 0.0  # between samples [s]
     outside: Outside | None = None  # measured contact
 
-    def torque(self, q: Array, v: Array, a: Array) -> Array:
-        """Return RNEA(q, v, a) - J(q)^T F with the measured F, shape (N, n)."""
-        return self.arm.torque(q, v, a) - self.arm.torque_from(q, self.outside)
-
-    @property
+    @cached_property
     def felt(self) -> Array:
         """Return J(q)^T F, the torque of what acts on the arm, shape (N, n) [N m]."""
         return self.arm.torque_from(self.q, self.outside)
@@ -50,22 +48,24 @@ class JointMotion:
         return self.arm.regressor(self.q, self.v, self.a)
 
     @cached_property
-    def inertia(self) -> Array:
-        """Return the inertia that each joint moves, shape (N, n) [kg m^2]."""
-        zero = np.zeros(self.q.shape[1])
-        return np.array([np.diag(self.arm.forward(x, zero, zero)[0]) for x in self.q])
+    def slopes(self) -> tuple[Array, Array, Array]:
+        """Return the derivatives of the load by q, q' and q'', each of shape (N, n, n)."""
+        by_q, by_v, by_a = self.arm.derivatives(self.q, self.v, self.a)
+        if self.outside is not None:
+            for j, step in enumerate(_STEP * np.eye(self.q.shape[1])):
+                moved = self.arm.torque_from(self.q + step, self.outside)
+                by_q[:, :, j] -= (moved - self.felt) / _STEP
+        return by_q, by_v, by_a
 
     def rate(self, signal: Array) -> Array:
         """Return the time derivative of a signal, first axis time."""
         return np.asarray(np.gradient(signal, self.period, axis=0))
 
-    def moved(self, joint: int, shift: Array) -> Array:
-        """Return the change of RNEA if a joint's link lags by a small angle, shape (N, n)."""
-        moved = [self.q.copy(), self.v.copy(), self.a.copy()]
-        for signal in moved:
-            signal[:, joint] -= shift
-            shift = self.rate(shift)
-        return self.torque(*moved) - self.load
+    def lagging(self, joint: int, shift: Array) -> Array:
+        """Return the change of the load if a joint's link lags by a small angle, shape (N, n)."""
+        rate = self.rate(shift)
+        by_q, by_v, by_a = (slope[:, :, joint] for slope in self.slopes)
+        return np.asarray(-(by_q.T * shift + by_v.T * rate + by_a.T * self.rate(rate)).T)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Callable, Iterable, NamedTuple, Sequence, TYPE_CHECKING
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
 from .arm_recording import ArmRecording, Array, Flags, GAP
@@ -134,14 +135,9 @@ class Channels:
         self, recordings: Sequence[ArmRecording], arm: ArmDynamics,
         like: 'Channels | None' = None,
     ) -> None:
-        self.measured: list[int]
-        self.cut_off: float
-        self.speed: Array
-        self.middle: Array
-        self.terms: list[Term]
         self.arm, self.names = arm, [one.name for one in recordings]
         known = np.all([one.has_effort & one.moves for one in recordings], axis=0)
-        self.measured = like.measured if like else np.flatnonzero(known).tolist()
+        self.measured: list[int] = like.measured if like else np.flatnonzero(known).tolist()
         first = len(like.names) if like else 0  # laws of one file hold in no other
         frame = next((one.wrench.frame for one in recordings if one.wrench), '')
         raw = [part for k, one in enumerate(recordings, first)
@@ -150,16 +146,16 @@ class Channels:
             raise RecordingError(
                 f'{", ".join(self.names)} must have {_LEAST_S:g} s without a gap of {GAP:g} '
                 'sample periods; record again')
-        self.cut_off = like.cut_off if like else max(map(_cut_off, raw))
+        self.cut_off: float = like.cut_off if like else max(map(_cut_off, raw))
         motions = [self._motion(one) for one in raw]
-        self.speed = like.speed if like else np.percentile(
+        self.speed: Array = like.speed if like else np.percentile(
             np.abs(np.concatenate([one.v for one in motions])), 95, axis=0) + 1e-9
-        self.middle = like.middle if like else np.concatenate(
+        self.middle: Array = like.middle if like else np.concatenate(
             [one.q for one in motions]).mean(axis=0)
         motions = [replace(one, speed=self.speed, middle=self.middle)
                    for one in motions]
         self.motion = motions[0]
-        self.terms = like.terms if like else self._terms(len(recordings))
+        self.terms: list[Term] = like.terms if like else self._terms(len(recordings))
         self.pieces = [self._piece(stretch, motion) for stretch, motion in zip(raw, motions)]
 
     samples_per_error = _PER_PERIOD * _HARMONICS / _ERRORS  # three in a period of the motion
@@ -167,8 +163,9 @@ class Channels:
     def _motion(self, stretch: _Stretch) -> JointMotion:
         period = float(stretch.t[1] - stretch.t[0])
         q = low_pass(stretch.q, 1.0 / period, _POSITION * self.cut_off)
-        v = np.gradient(q, period, axis=0)
-        a = np.gradient(v, period, axis=0)
+        # Central differences take (2 pi f period)^2 / 3 of q'' away, as a flexible joint adds.
+        course = make_interp_spline(stretch.t, q, k=5)
+        v, a = (course.derivative(k)(stretch.t) for k in (1, 2))
         outside = Outside(stretch.frame, stretch.wrench) if stretch.frame else None
         load = self.arm.torque(q, v, a) - self.arm.torque_from(q, outside)
         return JointMotion(self.arm, q, v, a, load, v[0], q[0],

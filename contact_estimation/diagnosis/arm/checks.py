@@ -118,12 +118,9 @@ class Reading:
         other = copy(self)
         other.q, other.v, other.a = motion(self.q), motion(self.v), motion(self.a)
         other.tau = motion(self.tau) if torque else self.tau
-        other.load = self.arm.torque(other.q, other.v, other.a) - self.felt(other.q)
+        other.load = self.arm.torque(other.q, other.v, other.a) - self.arm.torque_from(
+            other.q, self.outside)
         return other
-
-    def felt(self, q: Array) -> Array:
-        """Return the torque of what acts on the arm."""
-        return self.arm.torque_from(q, self.outside)
 
     def fit(self, tau: Array, k: int, load: Array, free: bool = False) -> tuple[float, float]:
         """
@@ -235,7 +232,7 @@ def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
         f'the torques show none of the weight and inertia of the arm ({shown}): an estimate of '
         'external torques, what a controller adds, or another unit, such as currents or torques '
         'of the motors; record the torque of each joint in N m'), reading.errors(
-            -reading.felt(reading.q)))
+            -reading.arm.torque_from(reading.q, reading.outside)))
 
 
 def _units(reading: Reading, right: Array) -> Iterator[Misreading]:

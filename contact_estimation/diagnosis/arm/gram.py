@@ -13,7 +13,10 @@ over all blocks, or all but one. Laws of one joint are eliminated first (Schur c
 what joints share, 24 directions of their links' inertia above all, costs one small system.
 """
 
-from typing import Any, Iterable, NamedTuple, Sequence
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 
 import numpy as np
 
@@ -52,8 +55,6 @@ class Fitted(NamedTuple):
     # the others and on all [N^2 m^2]
     left_out: Array
     fitted: Array
-    shared: tuple[Term, ...]  # laws of several joints, in the order of `covariance`
-    covariance: Array  # of their coefficients
     known: float  # well-determined coefficients among those of laws of several joints
     surprise: float  # half the squared coefficients of the calibration, in those expected [nat]
 
@@ -79,6 +80,7 @@ class Gram:
         self.reach: Array = np.hypot(self.span, np.ptp(felt, axis=0))
         self.floor: Array = (FLOOR * self.reach) ** 2 + _NOISE_KNOWN * self.felt_noise
         self.variance: Array = tau.var(axis=0) + 1e-12
+        self.order = {term: k for k, term in enumerate(channels.terms)}
         self.scales = {term: self._scale(term) for term in channels.terms}
         self.directions = self._directions()
         self.zeros = {term: std for term, std in ZEROS.items() if term in channels.terms}
@@ -117,7 +119,7 @@ class Gram:
 
     def _build(self) -> None:
         """Sum the products of all columns in each block."""
-        pieces, terms = self.channels.pieces, [CALIBRATION, *self.channels.terms]
+        pieces = self.channels.pieces
         whole = sum(len(one.t) for one in pieces)
         least = _ANOTHER * self.channels.samples_per_error
         size = max(whole / _BLOCKS, min(least, whole / _FEWEST))
@@ -129,16 +131,16 @@ class Gram:
         self.kept: Array
         sums = list[list[tuple[Array, Array, float, float]]]()
         for j in self.joints:
-            mine = [term for term in terms[1:] if j in pieces[0].columns[term]]
+            mine = [term for term in self.order if j in pieces[0].columns[term]]
             every = (CALIBRATION, GAIN, *mine)
-            ends = np.cumsum([0, *map(self.width, every)])
-            self.at.append({term: np.arange(first, last) for term, first, last in zip(
-                every, ends[:-1], ends[1:])})
+            self.at.append({term: np.arange(one.start, one.stop)
+                            for term, one in self.places(every)})
             wide = {id(one): np.concatenate(
                 [self.channels.regressor(one, j) @ self.directions,
                  *(std * one.columns[term][j] for term, std in self.zeros.items()),
                  GAIN_KNOWN * one.columns[Term('force_gain', j)][j],
-                 *(one.columns[term][j] * self.scales[term] for term in mine)], axis=1)
+                 *(one.columns[term][j] * self.scales[term] for term in mine),
+                 np.zeros((len(one.t), 1))], axis=1)  # the last pads models of different sizes
                 for one in pieces}
             sums.append([])
             for one, rows in blocks:
@@ -192,14 +194,10 @@ class Gram:
 
     def shared_index(self, k: int, shared: Sequence[Term]) -> tuple[Array, Array]:
         """Return the columns of shared terms in a joint, and their places in theta."""
-        columns, places, first = [], [], 0
-        for term in shared:
-            width = self.width(term)
-            if term in self.at[k]:
-                columns.append(self.at[k][term])
-                places.append(np.arange(first, first + width))
-            first += width
-        return np.concatenate(columns), np.concatenate(places)
+        places = [(term, np.arange(at.start, at.stop)) for term, at in self.places(shared)
+                  if term in self.at[k]]
+        return (np.concatenate([self.at[k][term] for term, _ in places]),
+                np.concatenate([at for _, at in places]))
 
     def width(self, term: Term) -> int:
         """Return the number of coefficients of a term."""
@@ -211,7 +209,7 @@ class Gram:
         """Return a model's laws of each joint alone, and those that joints share."""
         local: list[list[Term]] = [[] for _ in self.joints]
         shared = []
-        for term in sorted(model, key=repr):
+        for term in sorted(model, key=self.order.__getitem__):
             if term in self.shared:
                 shared.append(term)
             else:
@@ -249,20 +247,18 @@ class Gram:
             index = np.concatenate([ins, outs])
             T = np.concatenate([inner[k], both[:, places]], axis=1)
             left_out[:, k], fitted[:, k] = self.errors(k, index, T)
-            theta.update(self._divided(mine, inner[k][-1][1:]))
-        theta.update(self._divided(shared, both[-1]))
-        covariance = np.linalg.inv(A)
-        known = float(np.sum(1.0 - np.diag(covariance)[self.width(CALIBRATION):]))
+            theta.update({term: inner[k][-1, 1:][at] for term, at in self.places(mine)})
+        theta.update({term: both[-1, at] for term, at in self.places(shared)})
+        known = float(np.sum(1.0 - np.diag(np.linalg.inv(A))[self.width(CALIBRATION):]))
         calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
         gains = np.array([one[-1][0] for one in inner])
-        zeros = {term: self.zeros[term] * one for term, one in self._divided(
-            list(self.zeros), calibration[moved:]).items()}
+        zeros = {term: self.zeros[term] * calibration[moved:][at]
+                 for term, at in self.places(self.zeros)}
         zeros.update({Term('force_gain', j): np.array([GAIN_KNOWN * gain])
                       for j, gain in zip(self.joints, gains)})
         return Fitted(
             {term: self.scales[term] * one for term, one in theta.items()},
-            self.directions @ calibration[:moved], zeros, left_out, fitted,
-            shared, np.asarray(covariance), known,
+            self.directions @ calibration[:moved], zeros, left_out, fitted, known,
             0.5 * float(calibration @ calibration + gains @ gains))
 
     def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
@@ -270,21 +266,13 @@ class Gram:
         model = list(model)
         local, shared = self.split(model)
         whole = np.asarray(np.linalg.inv(self.solve(model)[2]))
-        found, first = dict[Term, Array](), 0
-        for term in shared:
-            last = first + self.width(term)
-            if term != CALIBRATION:
-                found[term] = whole[first:last, first:last]
-            first = last
+        found = {term: whole[at, at] for term, at in self.places(shared) if term != CALIBRATION}
         for k, mine in enumerate(local):
             inner, _, places, U = self._eliminated(k, mine, shared)[:4]
             G = self.G_fit[k][-1][np.ix_(inner, inner)]
             own = np.asarray(np.linalg.inv(self.weights[k] * G + np.eye(len(inner))))
             own = own + U[-1] @ whole[np.ix_(places, places)] @ U[-1].T
-            first = 1
-            for term in mine:
-                last = first + self.width(term)
-                found[term], first = own[first:last, first:last], last
+            found.update({term: own[1:, 1:][at, at] for term, at in self.places(mine)})
         return {term: one * np.outer(self.scales[term], self.scales[term])
                 for term, one in found.items()}
 
@@ -307,23 +295,23 @@ class Gram:
         self._known.clear()
         return np.array(found)
 
-    def _divided(self, terms: Sequence[Term], theta: Array) -> dict[Term, Array]:
-        parts = np.split(theta, np.cumsum([self.width(term) for term in terms])[:-1])
-        return dict(zip(terms, parts))
+    def places(self, terms: Iterable[Term]) -> Iterator[tuple[Term, slice]]:
+        """Return the places of the coefficients of each term among those of all."""
+        terms = list(terms)
+        ends = [*accumulate(map(self.width, terms), initial=0)]
+        return zip(terms, map(slice, ends, ends[1:]))
 
-    def errors(self, k: int, index: Array, T: Array) -> tuple[Array, Array]:
-        """Return the mean square of each block, as left out and as fitted; T (B + 1, K)."""
+    def errors(self, k: int, index: Array, T: Array) -> Array:
+        """Return mean squares (2, B) of each block, as left out and as fitted; T (B + 1, K)."""
         G, c = self.G[k][:, index[:, None], index], self.c[k][:, index]
-        left_out, fitted = (np.maximum(remainder(G, c, self.s[:, k], one), 0.0) / self.kept[:, k]
-                            for one in of_blocks(T))
-        return left_out, fitted
+        return np.maximum(remainder(G, c, self.s[:, k], of_blocks(T)), 0.0) / self.kept[:, k]
 
 
-def of_blocks(T: Array) -> tuple[Array, Array]:
-    """Return the coefficients of each block, (B, K): of the fit without it, and on all."""
-    return T[:-1], np.broadcast_to(T[-1], T[:-1].shape)
+def of_blocks(T: Array) -> Array:
+    """Return the coefficients of each block, (2, B, ...): of the fit without it, and on all."""
+    return np.stack([T[:-1], np.broadcast_to(T[-1], T[:-1].shape)])
 
 
 def remainder(G: Array, c: Array, s: Array, theta: Array) -> Array:
-    """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (B, K)."""
-    return np.asarray(s + (theta * ((G @ theta[:, :, None])[:, :, 0] - 2.0 * c)).sum(axis=1))
+    """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (..., K)."""
+    return np.asarray(s + (theta * ((G @ theta[..., None])[..., 0] - 2.0 * c)).sum(axis=-1))

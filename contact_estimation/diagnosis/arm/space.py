@@ -3,11 +3,15 @@
 
 """The models of an arm that are compared: laws at joints, links, and all of it."""
 
+from __future__ import annotations
+
+from functools import lru_cache
 from math import log
 from typing import Callable, Iterable, Sequence
 
 import numpy as np
 
+from .arm_recording import Array
 from .channels import Term
 from .gram import Fitted, Gram, of_blocks, remainder
 from ..fit.constants import ARM, Constants
@@ -29,6 +33,7 @@ _BESIDES = 4  # laws that are compared in the place of one
 _ORDER = {name: k for k, name in enumerate(JOINT_EFFECTS)}
 
 
+@lru_cache(maxsize=None)
 def group_of(term: Term) -> tuple[str, Place, int]:
     """Return what a model has once at most: kind of law, place and file."""
     effect = JOINT_EFFECTS[term.effect]
@@ -51,7 +56,7 @@ class ArmModels:
         self, gram: Gram, progress: Callable[[str], None] = lambda text: None,
         constants: Constants = ARM,
     ) -> None:
-        self.gram, self._progress, self._c = gram, progress, constants
+        self.gram, self._progress, self.constants = gram, progress, constants
         self.zeros = frozenset(one for one in gram.channels.terms if one.effect == 'force_bias')
         every = [term for term in gram.channels.terms
                  if term not in self.zeros and not _is_rotor(gram, term)]
@@ -66,22 +71,21 @@ class ArmModels:
             counts.setdefault(term.effect, set()).add(term.place)
         self._places = {name: log(len(places)) for name, places in counts.items()}
         self._seen = dict[Model, 'Scored | None']()
-        self._zero = self._evidence_of(self._scored(self.zeros))
-        plain = self._refined(self.zeros)
-        self._again(plain)
-        self._plain = self._refined(plain)
-        self._again(self._plain)
+        self._begin()
+        self._plain = self.zeros
+        for _ in range(2):
+            self._plain = self._refined(self._plain)
+            left_out = self.gram.fit(self._plain).left_out
+            self.gram.set_weights(self.gram.weights_for(left_out))
+            self._begin()
 
-    def _again(self, model: Model) -> None:
-        """Weigh the joints by what a model leaves of them, and forget all fits."""
-        self.gram.set_weights(self.gram.weights_for(self.gram.fit(model).left_out))
+    def _begin(self) -> None:
+        """Forget all fits, which had other weights of the joints."""
         self._seen.clear()
-        self._zero = self._evidence_of(self._scored(self.zeros))
-
-    def _evidence_of(self, base: Scored | None) -> Evidence:
+        base = self._scored(self.zeros)
         assert base is not None
-        return Evidence(
-            base, np.zeros(len(self.gram.joints)), self.gram.floor, self._c, white=False)
+        self._zero = Evidence(
+            base, np.zeros(len(self.gram.joints)), self.gram.floor, self.constants, white=False)
 
     def evidence(self) -> Evidence:
         """Return what models are compared against: the description, calibrated."""
@@ -121,10 +125,14 @@ class ArmModels:
         """Return whether a law's shape is a value that is told, and not a matter of smoothing."""
         return JOINT_EFFECTS[term.effect].shape is not None and term.effect != 'coulomb_friction'
 
-    def price(self, term: Term) -> float:
-        """Return the log prior odds against a law, but for its parameters."""
-        effect = JOINT_EFFECTS[term.effect]
-        return self._c.law * effect.laws + self._c.curve * effect.is_curve + self.rarity(term)
+    def cost(self, term: Term) -> float:
+        """Return the log prior odds against a law of one joint, with its coefficients."""
+        if term in self.zeros:
+            return 0.0
+        effect, c = JOINT_EFFECTS[term.effect], self.constants
+        values = len(self.gram.scales[term]) + self._has_shape(term)
+        return (c.parameter * values + c.law * effect.laws + c.curve * effect.is_curve
+                + self.rarity(term))
 
     def rarity(self, term: Term) -> float:
         """Return the log prior odds against a law at just this place, of all where it may be."""
@@ -156,24 +164,24 @@ class ArmModels:
         # Laws that lack together hide each other: from all usual ones, too, down to those needed.
         usual = {term for term in self._local[j]
                  if term.effect in _USUAL and not term.shape > self._sharp[j]}
-        ends = [self._climb(judge, start, model - mine, self._local[j])
-                for start in (mine, mine | frozenset(self._can_add(mine, usual)))]
-        return frozenset(model - mine | max(ends, key=lambda one: judge.score(frozenset(one))))
+        scores = judge.scores(self._climb(judge, start, model - mine, self._local[j])
+                              for start in (mine, mine | frozenset(self._can_add(mine, usual))))
+        best = max(scores, key=lambda one: scores[one])
+        return frozenset(model - mine | best)
 
     def _climb(
         self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
     ) -> Model:
         """Change a law at a time as long as a joint gains."""
-        here = judge.score(mine)
         for _ in range(_STEPS):
-            scores = {one: judge.score(one) for one in self.neighbours(mine, every)}
-            better = sorted((one for one in scores if scores[one] > here), key=lambda one:
-                            -scores[one])
+            scores = judge.scores([mine, *self.neighbours(mine, every)])
+            better = sorted((one for one in scores if scores[one] > scores[mine]),
+                            key=lambda one: -scores[one])
             # Values may prove impossible once the shared coefficients are fitted, too.
             found = next((one for one in better if self.score(rest | one) > -np.inf), None)
             if found is None:
                 break
-            mine, here = found, scores[found]
+            mine = found
         return mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
@@ -243,12 +251,11 @@ class ArmModels:
         for k, j in enumerate(self.gram.joints):
             judge = _JointJudge(self, model, k)
             mine = frozenset(judge.local)
-            best = judge.score(mine)
+            best = judge.scores([mine])[mine]
             for term in sorted(mine - self.zeros):
-                others = [mine - {term} | {other} for other in self._can_add(
-                    mine - {term}, self._local[j]) if other != term]
-                scores = {other: judge.score(other) for other in others}
-                likely = sorted((other for other in others if scores[other] > best - _NEAR),
+                scores = judge.scores(mine - {term} | {other} for other in self._can_add(
+                    mine - {term}, self._local[j]) if other != term)
+                likely = sorted((other for other in scores if scores[other] > best - _NEAR),
                                 key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
         for term in self._shared:  # what several joints have alike may be the arm's
@@ -286,34 +293,39 @@ class _JointJudge:
         theta, gram = both[:, places], self._gram
         self._w = gram.weights[k]
         self._rhs = gram.c_fit[k] - np.einsum('bpo,bo->bp', gram.G_fit[k][:, :, outer], theta)
-        G, c = gram.G[k], gram.c[k]
+        G, c, own = gram.G[k], gram.c[k], of_blocks(theta)
         # What the shared coefficients leave, of the fits without each block, and of that on all.
-        self._own = [(c - np.einsum('bpo,bo->bp', G[:, :, outer], one),
-                      remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], one))
-                     for one in of_blocks(theta)]
+        self._rest = c - np.einsum('bpo,fbo->fbp', G[:, :, outer], own)
+        self._square = remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], own)
 
-    def score(self, mine: Model) -> float:
-        """Return log likelihood and prior of the joint's blocks."""
-        gram, k, c = self._gram, self._k, self._space._c
-        terms = sorted(mine, key=repr)
-        index = gram.index(k, terms)
-        K = self._w * gram.G_fit[k][:, index[:, None], index] + np.eye(len(index))
-        T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[:, :, 0]
-        scales = np.concatenate([gram.scales[term] for term in terms])
-        widths = [len(gram.scales[term]) for term in terms]
-        values = np.split(scales * T[-1, 1:], np.cumsum(widths)[:-1])
-        if not all(JOINT_EFFECTS[term.effect].possible(one) for term, one in zip(terms, values)):
-            return -np.inf
-        G = gram.G[k][:, index[:, None], index]
-        left_out, fitted = (
-            np.maximum(remainder(G, rest[:, index], square, theta), 0.0) / gram.kept[:, k]
-            for (rest, square), theta in zip(self._own, of_blocks(T)))
-        expected = c.left_out * left_out + (1.0 - c.left_out) * fitted
+    def scores(self, models: Iterable[Model]) -> dict[Model, float]:
+        """Return the score of each of C sets of laws of the joint, fitted at once."""
+        gram, k, models = self._gram, self._k, list(models)
+        every = [sorted(one, key=gram.order.__getitem__) for one in models]
+        rows = [gram.index(k, terms) for terms in every]
+        index = np.full((len(rows), max(map(len, rows), default=1)), -1)  # a column of zeros
+        for padded, row in zip(index, rows):
+            padded[:len(row)] = row
+        G = gram.G[k][:, index[:, :, None], index[:, None, :]]  # (B, C, K, K)
+        whole = G.sum(axis=0)
+        K = self._w * np.concatenate([whole - G, whole[None]]) + np.eye(index.shape[1])
+        T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[..., 0]  # (B + 1, C, K)
+        left_out, fitted = np.maximum(remainder(
+            G, self._rest[:, :, index], self._square[..., None], of_blocks(T)), 0.0
+            ) / gram.kept[:, k, None]
+        share = self._space.constants.left_out
+        expected = share * left_out + (1.0 - share) * fitted
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
-        likelihood = -0.5 * gram.counts[:, k] * np.log(beyond / gram.floor[k] + 1.0)
-        return float(likelihood.sum() - 0.5 * T[-1, 0] ** 2) - sum(
-            c.parameter * (width + self._space._has_shape(term)) + self._space.price(term)
-            for term, width in zip(terms, widths) if term not in self._space.zeros)
+        likelihood = -0.5 * gram.counts[:, k] @ np.log(beyond / gram.floor[k] + 1.0)
+        score = likelihood - 0.5 * T[-1, :, 0] ** 2
+        return {one: float(score[c]) - sum(map(self._space.cost, one))
+                if self._possible(terms, T[-1, c, 1:]) else -np.inf
+                for c, (one, terms) in enumerate(zip(models, every))}
+
+    def _possible(self, terms: Sequence[Term], theta: Array) -> bool:
+        scales = self._gram.scales
+        return all(JOINT_EFFECTS[term.effect].possible(scales[term] * theta[at])
+                   for term, at in self._gram.places(terms))
 
 
 def _is_rotor(gram: Gram, term: Term) -> bool:
