@@ -9,7 +9,6 @@ from functools import lru_cache
 from math import nan
 from typing import Any, Mapping, NamedTuple, Sequence
 
-from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.estimate import Estimate, Frozen, ParameterEstimate
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axes import Result
@@ -128,7 +127,7 @@ def contact_samples(
             phase = omega * (t - APPROACH_S)
             x += amplitude * (1.0 - np.cos(phase))
             v += amplitude * omega * np.sin(phase)
-        force = float(kelvin_voigt_force(x, v, K_e, B_e))
+        force = min(-float(K_e * x + B_e * v), 0.0) if x > 0.0 else 0.0
         force_error, position_error = noise.standard_normal(2).tolist()
         samples.append(ContactSample(
             round(k * 1e9 / rate),

@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_model import kelvin_voigt_force
 from ..exceptions import ParameterRangeError, SignalShapeError
 
 Array = NDArray[np.float64]
@@ -66,7 +65,6 @@ class PointMotions(NamedTuple):
     delta: Array  # (N,) penetration [m], positive in contact
     delta_dot: Array  # (N,) its rate [m/s]
     slip: Array  # (N, 3) velocity along the surface [m/s]
-    arms: Array  # (N, 3) from the tool's origin to the point, in the frame of the force [m]
 
 
 def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions:
@@ -80,7 +78,7 @@ def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions
     velocities = motion.velocity + np.cross(motion.angular_velocity, arms)  # (N, 3) [m/s]
     outward = np.sum(normals * velocities, axis=1)  # (N,) [m/s]
     delta = np.sum(normals * (geometry.surfaces - motion.position - arms), axis=1)
-    return PointMotions(delta, -outward, velocities - outward[:, None] * normals, arms)
+    return PointMotions(delta, -outward, velocities - outward[:, None] * normals)
 
 
 def slip_directions(slip: Array) -> Array:
@@ -93,36 +91,6 @@ def slip_directions(slip: Array) -> Array:
     speed = np.linalg.norm(slip, axis=1, keepdims=True)  # (N, 1) [m/s]
     share = np.tanh(speed / SLIP_SPEED) / np.where(speed > 0.0, speed, 1.0)
     return slip * share
-
-
-def contact_forces(
-    geometry: ContactGeometry, motions: PointMotions, K_e: float, B_e: float, mu: float
-) -> Array:
-    """
-    Compute the force at every point, normal and tangential.
-
-    Eq. (5) with each point unilateral by itself, and Coulomb friction against the sliding:
-    F_i = F_ni (n_i - mu s_i).
-
-    K_e: stiffness [N/m], > 0
-    B_e: damping [N s/m], >= 0
-    mu: coefficient of friction, >= 0
-    Returns forces (N, 3): force on the tool [N]
-    """
-    if not mu >= 0.0:
-        raise ParameterRangeError(f'mu must be >= 0, got {mu!r}')
-    F_n = -kelvin_voigt_force(motions.delta, motions.delta_dot, K_e, B_e)  # (N,) [N]
-    return F_n[:, None] * (geometry.normals - mu * slip_directions(motions.slip))
-
-
-def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
-    """
-    Sum the forces of all points, eq. (6), and their moments about the tool's origin.
-
-    arms, forces (N, 3): vectors from the origin to each point [m], and the forces there [N]
-    Returns force, torque (3,): force [N] and torque [N m] on the tool
-    """
-    return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
 
 
 def frictionless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:

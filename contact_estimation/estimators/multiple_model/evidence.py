@@ -42,11 +42,6 @@ class Hypotheses(NamedTuple):
     centre: Array
     std: Array
 
-    def only(self, index: int) -> Hypotheses:
-        """Return one of them."""
-        one = slice(index, index + 1)
-        return Hypotheses(self.law[one], self.stiffness[one], self.centre[one], self.std[one])
-
 
 def hypotheses(
     laws: Ints, surfaces: Sequence[tuple[float, float, float]], scale: float
