@@ -12,7 +12,7 @@ from typing import Sequence
 from contact_estimation.diagnosis.fit.beam import Compared, refit, search
 from contact_estimation.diagnosis.fit.constants import CONSTANTS, Constants
 from contact_estimation.diagnosis.fit.evidence import Evidence, explained, of_families, Scored
-from contact_estimation.diagnosis.fit.names import name, Named
+from contact_estimation.diagnosis.fit.names import name, Named, parts
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -159,15 +159,15 @@ def test_a_share_is_as_sure_as_parts_agree_and_no_part_is_it_alone(
     assert found.interval[0] > low and (found.interval[0] < 0.0) is (share < 0.1)
 
 
-def found_in(*models: Scored) -> Named:
+def without(model: Scored, dropped: Sequence[str]) -> Scored | None:
+    """Know no other models."""
+    return None
+
+
+def found_in(*models: Scored, instrument: float = 0.0) -> Named:
     """Name what is missing, of models of which the first is the base."""
-    found = evidence(models[0])
-    compared = Compared(found, found.ranked(models))
-
-    def without(model: Scored, dropped: Sequence[str]) -> Scored | None:
-        return None
-
-    return name(compared, 0, without)
+    found = replace(evidence(models[0]), instrument=np.full(2, instrument))
+    return name(Compared(found, found.ranked(models)), 0, without)
 
 
 def named(*models: Scored) -> list[tuple[str, list[str]]]:
@@ -199,6 +199,24 @@ def test_a_zero_that_is_little_stays_in_the_model_of_a_law_alone() -> None:
     assert beside.model.effects == ('a', 'force_bias')
     alone = found_in(base, scored(280.0, 'force_bias', laws=0))
     assert not alone.names and not alone.model.effects
+
+
+def test_laws_that_help_only_together_share_alike() -> None:
+    every = [scored(301.0), scored(281.0, 'a'), scored(301.0, 'b'), scored(1.0, 'a', 'b')]
+    compared = Compared(evidence(every[0]), every)
+    told = parts(compared, found_in(*every), without)
+    shares = {one: part.share.share for one, part in told.items()}
+    assert shares == pytest.approx({'a': (20.0 + 300.0) / 600.0, 'b': (0.0 + 280.0) / 600.0})
+
+
+@pytest.mark.parametrize('left, names', [(80.0, []), (20.0, ['robot_friction'])])
+def test_friction_that_every_robot_has_is_named_beyond_what_every_instrument_leaves(
+    left: float, names: list[str]
+) -> None:
+    found = found_in(scored(150.0), scored(left, 'robot_friction'), instrument=100.0)
+    assert [one.effect for one in found.names] == names
+    assert [one.effect for one in found_in(
+        scored(150.0), scored(80.0, 'another_law'), instrument=100.0).names] == ['another_law']
 
 
 class Worlds:

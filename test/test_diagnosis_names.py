@@ -137,6 +137,17 @@ def test_other_values_of_the_wall_are_recalibrated() -> None:
     assert found.recalibrated.damping == pytest.approx(90.0, rel=0.01)
 
 
+@pytest.mark.parametrize('missing, names', [
+    ({}, []), (physics('command_delay', 0.004), ['command_delay'])])
+def test_a_cable_at_the_tool_is_no_missing_physics(
+    missing: dict[str, Any], names: list[str]
+) -> None:
+    signals = recorded(**missing)
+    stroke, force = np.ptp(signals.position), np.ptp(signals.force)
+    pull = 0.03 * force * (signals.position - signals.position[0]) / stroke
+    assert named(diagnosed(signals._replace(force=signals.force - pull))) == names
+
+
 def test_two_effects_are_named_together() -> None:
     pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
     found = diagnosed(recorded(**pair))

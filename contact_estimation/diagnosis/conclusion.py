@@ -43,7 +43,7 @@ def conclude(seen: Seen, seed: int, progress: Progress) -> Diagnosis:
     progress('names')
     named = name(seen.compared, seed, seen.models.without)
     tested = _tested(seen, named.model, progress)
-    while named.names and not _holds(seen, named.model, tested):
+    while named.names and not _holds(seen, named, tested):
         named = without_least(seen.compared, named, seen.models.without)
         tested = _tested(seen, named.model, progress)
     generator = np.random.default_rng(seed)
@@ -88,7 +88,7 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
                    float(np.sqrt(np.mean(left**2))), usual)
 
 
-def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
+def _holds(seen: Seen, named: Named, tested: _Tested) -> bool:
     """
     Return whether names hold: the one test of adequacy, with the only use of held-out data.
 
@@ -97,8 +97,8 @@ def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
     sensor. In none of them do they double the misfit.
     """
     evidence = seen.compared.evidence
-    ports = {EFFECTS[name].port for name in chosen.effects}
-    if chosen.found.found.model.laws().robot.joint is not None:
+    ports = {EFFECTS[one.effect].port for one in named.names}
+    if named.model.found.found.model.laws().robot.joint is not None:
         ports.add('contact')  # what touches the wall moves otherwise than what is measured
     force, motion = errors_of(tested.parts)
     shown = []
@@ -109,7 +109,7 @@ def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
         noise = max(one.observed.position_noise for one in seen.recordings)
         shown.append(motion.explained(noise, _SHOWS * tested.free_run_error))
     known = [share for share in shown if share is not None]
-    left_out = explained(evidence, chosen, 1 if ports == {'robot'} else None).share
+    left_out = explained(evidence, named.model, 1 if ports == {'robot'} else None).share
     if min(known, default=0.0) < -1.0:
         return False
     return min(left_out, max(known, default=left_out)) >= evidence.constants.confirmed
@@ -219,8 +219,8 @@ class _Conclusion:
         rest = replace(self._evidence, base=zeros[-1].after) if zeros else None
         alone = [model.found.values_on(part) for part in model.found.parts]
         found = []
-        for effect, (share, before, after) in told.items():
-            beside = None if rest is None or effect in ZEROS else share_of(rest, before, after)
+        for effect, (gain, share, _, before, _) in told.items():
+            beside = None if rest is None or effect in ZEROS else share_of(rest, gain)
             cls, stds = EFFECTS[effect], self._stds[values.place(effect)]
             parameters = {
                 spec.name: Value(value, float(std), spec.unit) for spec, value, std in zip(

@@ -74,6 +74,8 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
     excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in (force, motion)]
     if excess[1] < SLIGHT * excess[0]:
         return 'force_sensor'
+    if excess[0] < SLIGHT * excess[1]:
+        return 'robot'
     if force_explains_motion(recording, model):
         return 'contact'
     pushed = recording.motion.average(response)

@@ -27,10 +27,6 @@ class ImpedanceMismatch(RobotEffect):
     ) -> tuple[float, float, float]:
         return self.M_t_scale * mass, self.B_t_scale * damping, self.K_t_scale * stiffness
 
-    def is_flexible(self, duration: float) -> bool:
-        """Is always one: three scales follow any misfit in position, velocity and acceleration."""
-        return True
-
     def is_possible(self, stiffness: float, damping: float) -> bool:
         """Return whether the scales differ: all alike are the gain of the force sensor."""
         scales = astuple(self)

@@ -14,7 +14,7 @@ from .gram import GAIN_STD
 from .result import ArmEffect
 from .space import ArmModels, label
 from ..fit.beam import Compared
-from ..fit.evidence import share_of
+from ..fit.evidence import share_of, taken
 from ..fit.names import Named
 from ..result import Value
 from ...kinematics.arm_dynamics import PER_LINK
@@ -117,8 +117,9 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     main = int(np.argmax(sizes))
     where = {'joint': (term.place,), 'pair': term.place[:2] if effect.place == 'pair' else ()}.get(
         effect.place, tuple(joints[k] for k in shows))
+    evidence = names.compared.evidence
     share = share_of(
-        names.compared.evidence, names.without(term), names.named.model, main)
+        evidence, taken(evidence, names.without(term), names.named.model, main), main)
     return ArmEffect(
         effect.name, effect.family, effect.equation, term,
         tuple(arm.joints[j] for j in where),

@@ -24,10 +24,10 @@ from scipy.optimize import minimize_scalar
 
 from .constants import CONSTANTS
 from .fitting import differentiate_by, Fit, jacobian_at, residual_function
-from ..observe.channel import Channel, Discount, LEAST_VARIANCE, sum_blocks
+from ..observe.channel import Channel, Discount, LEAST_VARIANCE, ROBUST, sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
-from ..observe.residuals import residuals, response_to, ROBUST
+from ..observe.residuals import residuals, response_to
 from ..observe.shares import LITTLE
 
 Array = NDArray[np.float64]
@@ -39,6 +39,8 @@ UNCERTAINTIES = (
 )
 """Effects at one standard deviation, and whether that is a time, which the pace multiplies: M_t is
 known to 0.2 %, stamps to 0.03 ms."""
+
+_CABLE = 0.05  # of the range of the force, over the stroke: most that a cable or a hose pulls
 
 _MOST_STEPS = 200
 _STANDS_OUT = 10.0  # times the median: else it is not a step
@@ -53,8 +55,9 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """
     Return a recording whose residuals discount the model uncertainty.
 
-    Beside `UNCERTAINTIES` these are the instant, within a sample, at which the reference steps,
-    and whether the robot holds the desired acceleration between samples or interpolates it.
+    Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a sample,
+    at which the reference steps, and whether the robot holds the desired acceleration between
+    samples or interpolates it.
     """
     recording = replace(recording, discount=None)
     if recording.driven_by_force(model):
@@ -74,7 +77,12 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording
-    return replace(recording, discount=Discount.of(np.array(columns).T))
+    cable = np.zeros(len(here))
+    # Without the motion of a robot the force alone tells the wall, of which a cable may be a part.
+    if robot and model.nominal.environment.unilateral and not recording.simulated:
+        cable[:recording.block_count] = recording.force.average(
+            _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0]))
+    return replace(recording, discount=Discount.of(np.array(columns).T, cable))
 
 
 def _scaled(values: tuple[float, ...], factor: float) -> tuple[float, ...]:

@@ -39,6 +39,9 @@ Array = NDArray[np.float64]
 ZEROS = ('force_bias', 'contact_offset')
 """Constants of sensor and surface that every rig has to some extent."""
 
+NUISANCES = (*ZEROS, 'robot_friction')
+"""What every rig has to some extent."""
+
 DRAWS = 400
 """Of bootstraps and permutations: probabilities to two and a half per cent at worst."""
 
@@ -174,6 +177,11 @@ class Evidence:
         counts = level.counts
         return np.asarray((beyond * counts).sum(axis=0) / np.maximum(counts.sum(axis=0), 1.0))
 
+    @property
+    def usual(self) -> Array:
+        """Return what every instrument leaves on each part, as a force squared, shape (P,)."""
+        return np.asarray(self.base.counts[:, 0] * self.instrument[0] * self.as_force[0])
+
     def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
         """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
         c, expected, n = self.constants, one.expected(self.constants), one.counts
@@ -256,14 +264,18 @@ def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
     return np.asarray(beyond.sum(axis=1) if channel is None else beyond[:, channel])
 
 
-def share_of(
+def taken(
     evidence: Evidence, before: Scored, after: Scored, channel: int | None = None
-) -> Share:
-    """Return the share of the misfit of the base that is left before a law and not after it."""
+) -> Array:
+    """Return the misfit that is left before a law and not after it, shape (P,) [N^2]."""
+    return _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
+
+
+def share_of(evidence: Evidence, gain: Array, channel: int | None = None) -> Share:
+    """Return a misfit that is taken away, shape (P,) [N^2], as a share of that of the base."""
     base = _misfits(evidence, evidence.base, channel)
     noise = (evidence.base.counts * evidence.as_force).sum(axis=1)
     base = np.maximum(base, max(SLIGHT * float(base.mean()), SLIGHT * float(noise.mean())))
-    gain = _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
     weights = np.minimum(1.0, _OUTWEIGHS * np.median(base) / base)
     gained, whole = weights * gain, weights * base
     share = float(gained.sum() / whole.sum())
@@ -278,4 +290,4 @@ def share_of(
 
 def explained(evidence: Evidence, one: Scored, channel: int | None = None) -> Share:
     """Return the share of the misfit of the base that a model takes away; see `share_of`."""
-    return share_of(evidence, evidence.base, one, channel)
+    return share_of(evidence, taken(evidence, evidence.base, one, channel), channel)

@@ -126,6 +126,8 @@ def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -
 _MOST_SEARCHES, SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
 _BRIEFLY, _TO_END = 1e-3, 1e-6  # relative gain at which a search ends
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
+# Standard deviations that typical changes cost: rounding moves nothing that data leave open.
+_HELD = 1e-4
 _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
 
 
@@ -180,7 +182,7 @@ def _searched(
     (low, high), given = (bound / size for bound in model.ranges), model.coordinates / size
     secant = SecantJacobian(lambda values: function(values * size), np.ones(len(size)), high)
     start, cost, brief = np.clip(given, low + 1e-9, high), np.inf, steps < 10
-    least = _BRIEFLY if brief else _TO_END
+    least, held = _BRIEFLY if brief else _TO_END, _HELD * np.eye(len(size))
     if known is not None and np.array_equal(start, given):
         secant.know(start, known)
     with np.errstate(all='ignore'):  # costs may overflow far from the optimum
@@ -188,7 +190,8 @@ def _searched(
             secant.residuals(start)  # the first of the steps, and known from the second search on
             secant.renew(steps - 1, least)
             found = least_squares(
-                secant.residuals, start, secant.jacobian, bounds=(low, high),
+                lambda x: np.append(secant.residuals(x), _HELD * (x - given)), start,
+                lambda x: np.vstack([secant.jacobian(x), held]), bounds=(low, high),
                 max_nfev=steps, xtol=1e-6, gtol=1e-12, ftol=least)
             steps -= found.nfev - 1
             # A fresh start, with differenced derivatives and long steps, may see a way further.
@@ -197,7 +200,8 @@ def _searched(
             start, cost = found.x, found.cost
     there = model.with_free(np.where(found.x - low < _AT_BOUND, low, found.x) * size)
     count = sum(recording.residual_count for recording in recordings)
-    return Fit(there, 2.0 * found.cost, found.fun, count, bool(found.status > 0))
+    left = found.fun[:-len(size)] if len(size) else found.fun
+    return Fit(there, sum_of_squares(left), left, count, bool(found.status > 0))
 
 
 def fit_to_end(recordings: Recordings, found: Fit) -> Fit:

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from .discrepancy import CHANNELS
 from .fitting import Fit, jacobian_at, residual_function
 from ..checks.check import bend_of, STRAIGHT
+from ..observe.channel import ROBUST
 from ..observe.model import Model
 from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
-from ..observe.residuals import bends, huber, ROBUST
+from ..observe.residuals import bends, huber
 
 
 Flags = NDArray[np.bool_]

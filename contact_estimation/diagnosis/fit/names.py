@@ -5,11 +5,18 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from math import inf
 from typing import Callable, NamedTuple, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .beam import Compared
-from .evidence import Evidence, explained, of_families, ranked_by, Scored, Share, share_of, ZEROS
+from .evidence import (
+    Evidence, explained, NUISANCES, of_families, ranked_by, Scored, Share, share_of, taken, ZEROS)
+
+Array = NDArray[np.float64]
 
 _LISTED = 3  # effects in the place of one, at most
 
@@ -38,8 +45,12 @@ Without = Callable[[Scored, Sequence[str]], 'Scored | None']
 class Part(NamedTuple):
     """What a name takes away."""
 
-    share: Share  # of the misfit of the base
-    # before, after: the model without this name and those that follow it, and with this name
+    gain: Array  # (P,) of the misfit on each part [N^2]
+    # share, beside: of the misfit of the base; the same, beside all other names
+    share: Share
+    beside: Share
+    # before, after: the model without this name and those that follow it, and with this name;
+    # laws follow zeros
     before: Scored
     after: Scored
 
@@ -95,20 +106,23 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     """
     Drop names of which the share is too little, or not above 0 with 95 % over the parts.
 
-    What is little of a law is told by what the zeros leave. Those stay in the model of a law, as
-    every rig has some: without them the law would bend to make up for them.
+    What is little of a law is told by what the zeros leave. What every rig has is worth a name if
+    it is more than the discrepancy of every instrument, and stays in the model of a law in any
+    case: without it the law would bend to make up for it.
     """
     evidence = compared.evidence
     c = evidence.constants
-    least = c.worth_exact if evidence.is_exact(named.model) else c.worth
+    exact = evidence.is_exact(named.model)
+    least = c.worth_exact if exact else c.worth
+    usual = 0.0 if exact else float(evidence.usual.sum())
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
-    little = [effect for effect, (share, *_) in told.items()
-              if share.share < least * (1.0 if effect in ZEROS else of_laws)
-              or _may_be_none(share) and _may_be_none(
-                  _beside(compared, named, effect, without) or share)]
-    fewer = _dropped(compared, named, little, without, ZEROS) if little else None
+    little = [effect for effect, part in told.items()
+              if part.share.share < least * (1.0 if effect in ZEROS else of_laws)
+              or effect in NUISANCES and part.gain.sum() < usual
+              or _may_be_none(part.share) and _may_be_none(part.beside)]
+    fewer = _dropped(compared, named, little, without, NUISANCES) if little else None
     if fewer is not None:
         return _worth(compared, fewer, without)
     listed = {one for each in named.names for one in each.alike}
@@ -135,7 +149,7 @@ def _dropped(
     """Drop names, and from the model what does not stay; None where that is not known."""
     kept = [one for one in named.names if one.effect not in effects]
     gone = [effect for effect in effects if effect not in stays]
-    if not any(one.effect not in ZEROS for one in kept):  # nothing is left that needs them
+    if not any(one.effect not in NUISANCES for one in kept):  # nothing is left that needs them
         gone = sorted(_own(named.model) - {one.effect for one in kept})
     model = _known(compared, named.model, gone, without)
     return None if model is None else named._replace(model=model, names=kept)
@@ -143,41 +157,52 @@ def _dropped(
 
 def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
     """
-    Divide what is explained among the names: zeros first, then the law that takes away most.
+    Divide what is explained among the names: first among zeros, and the rest among laws.
 
-    Zeros that are not named count with the first law, which needs them.
+    Each gets the mean of what it takes away beside every number of others (the value of L. S.
+    Shapley, A value for n-person games, 1953), which need not be used: two that help only together
+    share alike. What is little so is what it is beside all others. Nuisances that are not named
+    count with the laws, which need them.
     """
-    left, found = [one.effect for one in named.names], dict[str, Part]()
-    zeros = sorted(_own(named.model) & {*ZEROS} - {*left})
-    present = _known(compared, named.model, [*left, *zeros], without)
-    while left and present is not None:
-        shares = dict[str, tuple[Share, Scored]]()
-        for one in [one for one in left if one in ZEROS] or left:
-            after = _known(
-                compared, named.model, [other for other in left if other != one], without)
-            if after is None:
+    evidence, names = compared.evidence, [one.effect for one in named.names]
+    unnamed = sorted(_own(named.model) & {*NUISANCES} - {*names})
+
+    def with_only(kept: Sequence[str]) -> Scored | None:
+        dropped = [one for one in names if one not in kept]
+        return _known(compared, named.model, [*dropped, *(() if kept else unnamed)], without)
+
+    found, kept = dict[str, Part](), list[str]()
+    for group in ([one for one in names if one in ZEROS],
+                  [one for one in names if one not in ZEROS]):
+        models, best = dict[frozenset[str], Scored](), dict[frozenset[str], Scored]()
+        for some in (frozenset(each) for size in range(len(group) + 1)
+                     for each in combinations(group, size)):
+            model = with_only([*kept, *some])
+            if model is None:
                 return {}
-            shares[one] = share_of(compared.evidence, present, after), after
-        first = ranked_by(shares, lambda one: -shares[one][0].share)[0]
-        found[first] = Part(shares[first][0], present, shares[first][1])
-        present = shares[first][1]
-        left.remove(first)
-    for effect, part in found.items():
-        last = _beside(compared, named, effect, without)
-        if last is not None and part.share.share < compared.evidence.constants.worth:
-            found[effect] = max(part, part._replace(share=last), key=lambda one: one.share.share)
+            models[some] = model
+            best[some] = max([model, *(best[some - {one}] for one in some)],
+                             key=lambda each: explained(evidence, each).share)
+        for one in group:
+            rest = with_only([other for other in names if other != one])
+            if rest is None:
+                return {}
+            last, others = taken(evidence, rest, named.model), {*group} - {one}
+            gain = np.mean([
+                np.mean([taken(evidence, best[frozenset(each)], best[frozenset({*each, one})])
+                         for each in combinations(others, size)], axis=0)
+                for size in range(len(group))], axis=0)
+            if share_of(evidence, gain).share < evidence.constants.worth:
+                gain = max(gain, last, key=np.sum)
+            found[one] = Part(gain, share_of(evidence, gain), share_of(evidence, last),
+                              models[frozenset(others)], models[frozenset(group)])
+        kept += group
     return found
 
 
 def _own(model: Scored) -> set[str]:
     """Return the effects of a model that the nominal one has not."""
     return {effect for effect, family in zip(model.effects, model.families) if family}
-
-
-def _beside(compared: Compared, named: Named, effect: str, without: Without) -> Share | None:
-    """Return the share of a name beside all others: it may help beside them alone."""
-    rest = _known(compared, named.model, [effect], without)
-    return None if rest is None else share_of(compared.evidence, rest, named.model)
 
 
 def _known(

@@ -93,24 +93,43 @@ def _in_blocks(signal: Array, block: int) -> Array:
     return signal[:count * block].reshape(count, block)
 
 
+ROBUST = 5.0
+"""Standard deviations beyond which residuals count linearly (Huber 1964)."""
+
+_REWEIGHTED = 3  # times
+
+
 @dataclass(frozen=True, eq=False)
 class Discount:
     """The whitening of residuals r with covariance I + C C^T, C the columns given to `of`."""
 
     directions: Array  # (R, C) orthonormal
     shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
+    # (R,) the residuals of the greatest pull of a cable, of which what fits best is taken away
+    cable: Array
 
     @classmethod
-    def of(cls, columns: Array) -> 'Discount':
-        """Discount what uncertain parameters could explain."""
+    def of(cls, columns: Array, cable: Array) -> 'Discount':
+        """Discount what uncertain parameters and a cable could explain."""
         squares, turns = np.linalg.eigh(columns.T @ columns)
         large = squares > LEAST_VARIANCE
         directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
-        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]))
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]), cable)
 
     def apply(self, residuals: Array) -> Array:
         """Whiten residuals."""
+        if self.cable.any():
+            residuals = residuals - self._pull(residuals) * self.cable
         return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))
+
+    def _pull(self, residuals: Array) -> float:
+        """Fit the pull of the cable, in the greatest one; large residuals count linearly."""
+        pull = 0.0
+        for _ in range(_REWEIGHTED):
+            left = np.maximum(np.abs(residuals - pull * self.cable), ROBUST)
+            weighed = self.cable / left
+            pull = min(max(float(weighed @ residuals / (weighed @ self.cable)), -1.0), 1.0)
+        return pull
 
 
 _WINDOW_S = 0.1

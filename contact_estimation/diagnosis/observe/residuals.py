@@ -13,16 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .channel import sum_blocks
+from .channel import ROBUST, sum_blocks
 from .driven_wall import DrivenWall
 from .model import Laws, Model
 from .observer import at_touch_down, innovations, innovations_of, run, run_jointed
 from .prepared_recording import PreparedRecording
 from ...physics.numeric import Array, discretise
 from ...physics.robot_law import RobotLaw
-
-ROBUST = 5.0
-"""Standard deviations beyond which residuals count linearly (Huber 1964)."""
 
 _ONE = 2.0  # widths, from which on a smooth sign is one: tanh 2 = 0.96
 
