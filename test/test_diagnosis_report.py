@@ -122,6 +122,15 @@ def test_text_begins_with_the_verdict_and_gives_effects_and_errors(name: str) ->
     assert f'{d.stiffness.value:.6g} +- {d.stiffness.std:.2g}' in text
 
 
+@pytest.mark.parametrize('low, little', [(0.2, False), (-0.05, True)])
+def test_text_says_if_the_held_out_force_tells_little_of_the_names(
+    low: float, little: bool
+) -> None:
+    text = as_text(replace(diagnosed('friction'), improvement=(low, 0.31)))
+    assert f'{100.0 * low:.0f} to 31 % below' in text
+    assert ('tells little of the names' in text) is little
+
+
 def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:
     d = diagnosed('friction')
     path = tmp_path / 'model.yaml'

@@ -135,8 +135,9 @@ def improvement(diagnosis: Diagnosis) -> str:
     if diagnosis.improvement is None or not diagnosis.effects:
         return ''
     low, high = (100.0 * value for value in diagnosis.improvement)
+    little = '; the force there tells little of the names' if low <= 0.0 else ''
     return (f'the corrected force error is {low:.0f} to {high:.0f} % below the recalibrated one '
-            '(95 % interval)')
+            f'(95 % interval){little}')
 
 
 def place_of(location: Location) -> str:
