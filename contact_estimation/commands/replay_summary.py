@@ -137,10 +137,12 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
     causes = [found.warned.text for found in replay.session.checks.ordered_warnings()
               if found.warned.name != _NO_CAUSE]
     cause = causes[0] if causes else ''
-    held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3))
-    if replayed.statuses == {EstimateStatus.FREE}:
-        explained = replay.session.checks.explain_no_contact(axis)
-        return (f'no contact seen in {recording}: {cause or explained}'
+    free = replayed.statuses == {EstimateStatus.FREE}
+    said = cause or (replay.session.checks.explain_no_contact(axis) if free else '')
+    held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3)
+                     if reason not in said)
+    if free:
+        return (f'no contact seen in {recording}: {said}'
                 + f' (of {replayed.samples} samples {held})' * bool(held))
     return (f'nothing could be estimated in {recording}: '
             f'{cause or f"no sample in contact could be used ({held})"}')
