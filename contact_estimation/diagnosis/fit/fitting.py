@@ -127,7 +127,7 @@ _MOST_SEARCHES, SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no pro
 _BRIEFLY, _TO_END = 1e-3, 1e-6  # relative gain at which a search ends
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
 # Standard deviations that typical changes cost: rounding moves nothing that data leave open.
-_HELD = 1e-4
+_HELD = 1e-6
 _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
 
 
