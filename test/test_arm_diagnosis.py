@@ -113,17 +113,6 @@ def test_the_tip_lags_by_what_its_joints_yield() -> None:
         assert lag[k] == pytest.approx(float(n @ moved), rel=1e-3)
 
 
-def test_accelerations_are_exact_within_the_band_that_is_compared() -> None:
-    arm, t = ArmDynamics(URDF), np.arange(0.0, 10.0, 0.01)
-    rates, sizes = 2.0 * np.pi * np.array([[0.3, 9.0], [0.4, 8.0], [0.5, 7.0]]), [0.4, 0.008]
-    waves = rates[:, :, None] * t
-    q, v, a = (np.einsum('jkn,jk->nj', wave, sizes * rates**order) for order, wave in enumerate(
-        (np.sin(waves), np.cos(waves), -np.sin(waves))))
-    tau = arm.torque(q, v, a)
-    piece, = Channels([ArmRecording('run.mcap', arm.joints, t, q, v, tau)], arm).pieces
-    assert (np.abs(piece.residual).max(axis=0) < 2e-3 * np.ptp(tau, axis=0)).all()
-
-
 def test_blocks_that_are_left_out_are_another_motion() -> None:
     short = arm_recording()
     rows = short.t < 8.0

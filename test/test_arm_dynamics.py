@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from arm_worlds import along, JOINTS, motion, pressing, URDF
+from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
+from contact_estimation.diagnosis.arm.channels import Channels
 from contact_estimation.exceptions import (
     MissingPackageError, ModelFileError, UnknownNameError)
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
@@ -237,3 +239,14 @@ def test_tool_and_wall_of_a_simulated_arm_are_found(tmp_path: Path) -> None:
     found = arm.estimated(run, recording)
     assert found['stiffness'] == pytest.approx(world.K_e, rel=0.02)
     assert found['damping'] == pytest.approx(world.B_e, rel=0.1)
+
+
+def test_accelerations_are_exact_within_the_band_that_is_compared() -> None:
+    arm, t = ArmDynamics(URDF), np.arange(0.0, 10.0, 0.01)
+    rates, sizes = 2.0 * np.pi * np.array([[0.3, 9.0], [0.4, 8.0], [0.5, 7.0]]), [0.4, 0.008]
+    waves = rates[:, :, None] * t
+    q, v, a = (np.einsum('jkn,jk->nj', wave, sizes * rates**order) for order, wave in enumerate(
+        (np.sin(waves), np.cos(waves), -np.sin(waves))))
+    tau = arm.torque(q, v, a)
+    piece, = Channels([ArmRecording('run.mcap', arm.joints, t, q, v, tau)], arm).pieces
+    assert (np.abs(piece.residual).max(axis=0) < 2e-3 * np.ptp(tau, axis=0)).all()

@@ -11,9 +11,9 @@ from typing import Callable, Iterable, Sequence
 
 import numpy as np
 
-from .arm_recording import Array
 from .channels import Term
-from .gram import Fitted, Gram, of_blocks, remainder
+from .gram import Fitted, Gram
+from .joint_judge import all_possible, JointJudge
 from ..fit.constants import ARM, Constants
 from ..fit.evidence import Evidence, Scored
 from ...physics.joint_effects import JOINT_EFFECTS, Place
@@ -100,9 +100,7 @@ class ArmModels:
         """Fit a model, and let it predict the blocks that it was not fitted on."""
         if model not in self._seen:
             found = self.gram.fit(model)
-            possible = all(JOINT_EFFECTS[term.effect].possible(theta)
-                           for term, theta in found.theta.items())
-            self._seen[model] = self.as_scored(model, found) if possible else None
+            self._seen[model] = self.as_scored(model, found) if all_possible(found.theta) else None
         return self._seen[model]
 
     def as_scored(self, model: Model, found: Fitted) -> Scored:
@@ -159,7 +157,7 @@ class ArmModels:
 
     def _climbed(self, model: Model, k: int, j: int) -> Model:
         """Improve the laws of one joint, with the shared coefficients as they are."""
-        judge = _JointJudge(self, model, k)
+        judge = JointJudge(self, model, k)
         mine = frozenset(judge.local)
         # Laws that lack together hide each other: from all usual ones, too, down to those needed.
         usual = {term for term in self._local[j]
@@ -170,7 +168,7 @@ class ArmModels:
         return frozenset(model - mine | best)
 
     def _climb(
-        self, judge: '_JointJudge', mine: Model, rest: Model, every: Sequence[Term]
+        self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]
     ) -> Model:
         """Change a law at a time as long as a joint gains."""
         for _ in range(_STEPS):
@@ -249,7 +247,7 @@ class ArmModels:
         model: Model = one.found[0]
         near = [model - {term} for term in model - self.zeros]
         for k, j in enumerate(self.gram.joints):
-            judge = _JointJudge(self, model, k)
+            judge = JointJudge(self, model, k)
             mine = frozenset(judge.local)
             best = judge.scores([mine])[mine]
             for term in sorted(mine - self.zeros):
@@ -279,53 +277,6 @@ class ArmModels:
 
     def _known(self, models: Iterable[Model]) -> list[Scored]:
         return [one for one in map(self._scored, models) if one is not None]
-
-
-class _JointJudge:
-    """The score of the laws of one joint, with the shared coefficients of a model."""
-
-    def __init__(self, space: ArmModels, model: Model, k: int) -> None:
-        self._space, self._k, self._gram = space, k, space.gram
-        local, shared = self._gram.split(model)
-        self.local = local[k]
-        _, both, _ = self._gram.solve(model)
-        outer, places = self._gram.shared_index(k, shared)
-        theta, gram = both[:, places], self._gram
-        self._w = gram.weights[k]
-        self._rhs = gram.c_fit[k] - np.einsum('bpo,bo->bp', gram.G_fit[k][:, :, outer], theta)
-        G, c, own = gram.G[k], gram.c[k], of_blocks(theta)
-        # What the shared coefficients leave, of the fits without each block, and of that on all.
-        self._rest = c - np.einsum('bpo,fbo->fbp', G[:, :, outer], own)
-        self._square = remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], own)
-
-    def scores(self, models: Iterable[Model]) -> dict[Model, float]:
-        """Return the score of each of C sets of laws of the joint, fitted at once."""
-        gram, k, models = self._gram, self._k, list(models)
-        every = [sorted(one, key=gram.order.__getitem__) for one in models]
-        rows = [gram.index(k, terms) for terms in every]
-        index = np.full((len(rows), max(map(len, rows), default=1)), -1)  # a column of zeros
-        for padded, row in zip(index, rows):
-            padded[:len(row)] = row
-        G = gram.G[k][:, index[:, :, None], index[:, None, :]]  # (B, C, K, K)
-        whole = G.sum(axis=0)
-        K = self._w * np.concatenate([whole - G, whole[None]]) + np.eye(index.shape[1])
-        T = np.linalg.solve(K, self._w * self._rhs[:, index, None])[..., 0]  # (B + 1, C, K)
-        left_out, fitted = np.maximum(remainder(
-            G, self._rest[:, :, index], self._square[..., None], of_blocks(T)), 0.0
-            ) / gram.kept[:, k, None]
-        share = self._space.constants.left_out
-        expected = share * left_out + (1.0 - share) * fitted
-        beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
-        likelihood = -0.5 * gram.counts[:, k] @ np.log(beyond / gram.floor[k] + 1.0)
-        score = likelihood - 0.5 * T[-1, :, 0] ** 2
-        return {one: float(score[c]) - sum(map(self._space.cost, one))
-                if self._possible(terms, T[-1, c, 1:]) else -np.inf
-                for c, (one, terms) in enumerate(zip(models, every))}
-
-    def _possible(self, terms: Sequence[Term], theta: Array) -> bool:
-        scales = self._gram.scales
-        return all(JOINT_EFFECTS[term.effect].possible(scales[term] * theta[at])
-                   for term, at in self._gram.places(terms))
 
 
 def _is_rotor(gram: Gram, term: Term) -> bool:

@@ -77,11 +77,11 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording
-    cable = np.zeros(len(here))
+    cable = None
     # Without the motion of a robot the force alone tells the wall, of which a cable may be a part.
     if robot and model.nominal.environment.unilateral and not recording.simulated:
-        cable[:recording.block_count] = recording.force.average(
-            _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0]))
+        pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
+        cable = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
     return replace(recording, discount=Discount.of(np.array(columns).T, cable))
 
 

@@ -178,9 +178,9 @@ class Evidence:
         return np.asarray((beyond * counts).sum(axis=0) / np.maximum(counts.sum(axis=0), 1.0))
 
     @property
-    def usual(self) -> Array:
-        """Return what every instrument leaves on each part, as a force squared, shape (P,)."""
-        return np.asarray(self.base.counts[:, 0] * self.instrument[0] * self.as_force[0])
+    def usual(self) -> float:
+        """Return what every instrument leaves on all parts together, as a force squared."""
+        return float(self.base.counts[:, 0].sum() * self.instrument[0] * self.as_force[0])
 
     def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
         """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""

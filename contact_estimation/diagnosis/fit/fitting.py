@@ -200,7 +200,7 @@ def _searched(
             start, cost = found.x, found.cost
     there = model.with_free(np.where(found.x - low < _AT_BOUND, low, found.x) * size)
     count = sum(recording.residual_count for recording in recordings)
-    left = found.fun[:-len(size)] if len(size) else found.fun
+    left = found.fun[:len(found.fun) - len(size)]
     return Fit(there, sum_of_squares(left), left, count, bool(found.status > 0))
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from math import inf
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,7 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     c = evidence.constants
     exact = evidence.is_exact(named.model)
     least = c.worth_exact if exact else c.worth
-    usual = 0.0 if exact else float(evidence.usual.sum())
+    usual = 0.0 if exact else evidence.usual
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
@@ -187,17 +187,23 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
             rest = with_only([other for other in names if other != one])
             if rest is None:
                 return {}
-            last, others = taken(evidence, rest, named.model), {*group} - {one}
-            gain = np.mean([
-                np.mean([taken(evidence, best[frozenset(each)], best[frozenset({*each, one})])
-                         for each in combinations(others, size)], axis=0)
-                for size in range(len(group))], axis=0)
+            gain, last = _value(evidence, best, one), taken(evidence, rest, named.model)
             if share_of(evidence, gain).share < evidence.constants.worth:
                 gain = max(gain, last, key=np.sum)
             found[one] = Part(gain, share_of(evidence, gain), share_of(evidence, last),
-                              models[frozenset(others)], models[frozenset(group)])
+                              models[frozenset(group) - {one}], models[frozenset(group)])
         kept += group
     return found
+
+
+def _value(evidence: Evidence, best: Mapping[frozenset[str], Scored], one: str) -> Array:
+    """Return the Shapley value (P,) of a name, from the best model within each set of names."""
+    by_size = dict[int, list[Array]]()
+    for some in best:
+        if one not in some:
+            by_size.setdefault(len(some), []).append(
+                taken(evidence, best[some], best[some | {one}]))
+    return np.asarray(np.mean([np.mean(gains, axis=0) for gains in by_size.values()], axis=0))
 
 
 def _own(model: Scored) -> set[str]:

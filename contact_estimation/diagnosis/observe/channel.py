@@ -105,11 +105,11 @@ class Discount:
 
     directions: Array  # (R, C) orthonormal
     shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
-    # (R,) the residuals of the greatest pull of a cable, of which what fits best is taken away
-    cable: Array
+    # (R,) residuals of the greatest pull of a cable, if any, of which what fits best is taken away
+    cable: Array | None
 
     @classmethod
-    def of(cls, columns: Array, cable: Array) -> 'Discount':
+    def of(cls, columns: Array, cable: Array | None) -> 'Discount':
         """Discount what uncertain parameters and a cable could explain."""
         squares, turns = np.linalg.eigh(columns.T @ columns)
         large = squares > LEAST_VARIANCE
@@ -118,18 +118,18 @@ class Discount:
 
     def apply(self, residuals: Array) -> Array:
         """Whiten residuals."""
-        if self.cable.any():
-            residuals = residuals - self._pull(residuals) * self.cable
+        if self.cable is not None:
+            residuals = residuals - _pull(residuals, self.cable) * self.cable
         return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))
 
-    def _pull(self, residuals: Array) -> float:
-        """Fit the pull of the cable, in the greatest one; large residuals count linearly."""
-        pull = 0.0
-        for _ in range(_REWEIGHTED):
-            left = np.maximum(np.abs(residuals - pull * self.cable), ROBUST)
-            weighed = self.cable / left
-            pull = min(max(float(weighed @ residuals / (weighed @ self.cable)), -1.0), 1.0)
-        return pull
+
+def _pull(residuals: Array, cable: Array) -> float:
+    """Fit the pull of a cable, in the greatest one; large residuals count linearly."""
+    pull = 0.0
+    for _ in range(_REWEIGHTED):
+        weighed = cable / np.maximum(np.abs(residuals - pull * cable), ROBUST)
+        pull = min(max(float(weighed @ residuals / (weighed @ cable)), -1.0), 1.0)
+    return pull
 
 
 _WINDOW_S = 0.1
