@@ -3,11 +3,12 @@
 
 """Texts that others wrote: read within stated limits, and escaped where they are printed."""
 
+from contextlib import contextmanager
 import json
 import os
 from pathlib import Path
 import sys
-from typing import Any, Iterable, Sequence
+from typing import Any, Iterable, Iterator, Sequence
 
 import yaml
 
@@ -57,10 +58,20 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[Any]]) -> str
     return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
 
 
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Name the file in an error, such as that of a full disk, which does not."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
+
+
 def write_whole(file: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     partial = file.with_name(file.name + '.partial')
-    with open(partial, 'wb') as stream:
+    with writing(file), open(partial, 'wb') as stream:
         stream.write(data)
         stream.flush()
         os.fsync(stream.fileno())

@@ -5,6 +5,9 @@
 
 from __future__ import annotations
 
+from datetime import time
+from decimal import Decimal
+import os
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -181,6 +184,51 @@ def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     second = ce.read_table(tmp_path / 'a.mat', columns={
         't': 'log.t', 'wrench.force.z': 'log.Fz', 'joint.z': 'log.z'})
     np.testing.assert_equal(first, second)
+
+
+def test_decimals_durations_and_times_of_parquet_are_numbers(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip('pyarrow')
+    from pyarrow import parquet
+
+    half = [Decimal('0.50'), Decimal('-1.25')]
+    parquet.write_table(pyarrow.table({
+        't': pyarrow.array([0, 2000], pyarrow.duration('us')), 'Fz': half, 'z': [0.1, 0.2],
+        'clock': [time(0, 0, 1), time(0, 0, 2)]}), tmp_path / 'a.parquet')
+    found = read_columns(tmp_path / 'a.parquet')
+    assert found['clock_ns'].tolist() == [10**9, 2 * 10**9]
+    signals = ce.read_table(tmp_path / 'a.parquet', columns={'t': 't_ns'})
+    assert signals['t'].tolist() == [0.0, 0.002]
+    assert signals['wrench.force.z'].tolist() == [0.5, -1.25]
+
+
+def test_time_of_day_goes_on_after_midnight(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('time,F,x\n' + ''.join(
+        f'{text},1.0,0.1\n' for text in ('23:59:59.9', '00:00:00.0', '00:00:00.1')))
+    steps = np.diff(ce.read_table(tmp_path / 'a.csv')['t'])
+    np.testing.assert_allclose(steps, 0.1, atol=1e-9)
+
+
+def test_rows_that_are_written_twice_count_once(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    once, twice = tmp_path / 'a.csv', tmp_path / 'b.csv'
+    assert Command('convert', convert, capfd)(recording, once).code == 0
+    names, *rows = once.read_text().splitlines()
+    twice.write_text('\n'.join([names, *(row for row in rows for _ in '12')]))
+    estimates = []
+    for path in (once, twice):
+        done = Command('replay', replay, capfd)(path, '--csv', path.with_suffix('.estimates'))
+        estimates.append(path.with_suffix('.estimates').read_bytes())
+    assert estimates[0] == estimates[1]
+    assert f't=t_ns ({len(rows)} rows are copies of others' in done.out
+
+
+def test_full_disk_names_the_file(recording: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    if not os.path.exists('/dev/full'):
+        pytest.skip('no /dev/full here')
+    for option in ('--csv', '--json'):
+        refused = Command('replay', replay, capfd).refusal(recording, option, '/dev/full')
+        assert 'No space left on device: /dev/full' in refused
 
 
 def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from ..recordings.columns import KEYS
 from ..recordings.recorded_signals import FIRST
 from ..recordings.source import RecordingSource, TOPICS
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..texts import print_help, printable
+from ..texts import print_help, printable, writing
 
 
 class Parser(argparse.ArgumentParser):
@@ -252,4 +252,6 @@ def write_results(options: Any, results: Mapping[str, Callable[[], str]]) -> Non
     """Write the texts that the options of these names ask for."""
     for name, make in results.items():
         if path := getattr(options, name):
-            new_file(path).write_text(make(), encoding='utf-8')
+            file = new_file(path)
+            with writing(file):
+                file.write_text(make(), encoding='utf-8')

@@ -98,6 +98,10 @@ def _replay(options: Any, target: str) -> None:
     view = _opened(options, target)
     try:
         samples = show_recording(view, reader, source, replay, progress.show)
+        if samples < 2:
+            raise RecordingError(
+                f'{options.recording} must have samples at several times, got {samples}; `replay` '
+                'says why')
     except Exception:
         view.close()
         if options.save:  # not a view of anything

@@ -19,6 +19,7 @@ from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 from ..recordings.encoding import encode_float64, encode_string, Vector3StampedEncoder
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.writing import RecordingWriter
+from ..texts import writing
 
 
 _NAN = float('nan')
@@ -48,16 +49,17 @@ class CsvEstimates:
     """
 
     def __init__(self, path: Path, axes: str = 'x') -> None:
-        self._file = open(path, 'w', encoding='utf-8')
+        self._path, self._file = path, open(path, 'w', encoding='utf-8')
         names = [*_COLUMNS, *(f'{name}_{axis}' for axis in axes[1:] for name in _COLUMNS)]
         self._file.write(','.join(['t', *names]) + '\n')
 
     def write(self, estimates: Sequence[AxesEstimates]) -> None:
         """Append the estimates of consecutive samples."""
-        self._file.writelines(
-            f'{stamp_text(axes[0].stamp_ns)},{",".join(map(_fields, axes))}\n'
-            for axes in estimates
-        )
+        with writing(self._path):
+            self._file.writelines(
+                f'{stamp_text(axes[0].stamp_ns)},{",".join(map(_fields, axes))}\n'
+                for axes in estimates
+            )
 
     def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
         """Write nothing: matrices do not come with every sample."""
@@ -71,7 +73,8 @@ class CsvEstimates:
         trace: TracebackType | None,
     ) -> None:
         """Close the file."""
-        self._file.close()
+        with writing(self._path):
+            self._file.close()
 
 
 class McapEstimates:

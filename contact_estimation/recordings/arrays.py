@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import isnan, nan
 from os import PathLike
 from pathlib import Path
 from typing import Any, Mapping, Sequence, TextIO
@@ -88,11 +88,12 @@ def write_recording(path: str | PathLike[str], signals: Mapping[str, ArrayLike])
     stamps_ns = arrays.pop('t_ns').tolist()
     topics = messages_of(arrays, len(stamps_ns))
     with RecordingWriter.file(Path(path)) as writer:
+        rows = {topic: messages.rows(slice(None)) for topic, messages in topics.items()}
         for place, stamp_ns in enumerate(stamps_ns):
-            for topic, (encode, rows) in topics.items():
-                row = rows[place].tolist()
-                if row[0] == row[0]:
-                    writer.write(canonical(topic), TYPES[topic], encode(stamp_ns, row), stamp_ns)
+            for topic, messages in topics.items():
+                if not isnan((row := rows[topic][place])[0]):
+                    writer.write(canonical(topic), TYPES[topic], messages.encode(stamp_ns, row),
+                                 stamp_ns)
 
 
 def _checked(signals: Mapping[str, ArrayLike]) -> Signals:

@@ -127,7 +127,8 @@ def signals_of_columns(
                     f'column {name!r} of {where} must hold numbers, got {count} other texts, the '
                     f'first {text[:40]!r}; choose another with --columns {key}=COLUMN')
             factor = _factor(key, name, general) * (1.0 if source in columns else -1.0)
-            signals[key] = factor * columns[name].astype(np.float64)
+            values = columns[name].astype(np.float64, copy=False)
+            signals[key] = values if factor == 1.0 else factor * values
     for kind in ('wrench.', 'joint.'):
         own = [key for key in signals if key.startswith(kind)]
         if own and not any(np.isfinite(signals[key]).any() for key in own):
@@ -136,7 +137,8 @@ def signals_of_columns(
                 f'{", ".join(repr(sources[key]) for key in own)}; choose others with --columns '
                 f'{own[0]}=COLUMN')
     stamp_ns = _stamps(sources['t'], columns, general, len(next(iter(columns.values()))))
-    rows = stamp_ns >= 0
+    if (rows := stamp_ns >= 0).all():
+        return stamp_ns, signals
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
 
 

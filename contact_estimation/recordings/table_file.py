@@ -9,7 +9,7 @@ import csv
 from functools import partial
 from math import isnan, nan, prod
 from pathlib import Path
-from typing import Any, Callable, Collection, Iterator, Mapping, Sequence
+from typing import Any, Callable, Collection, Iterator, Mapping, NamedTuple, Sequence
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -23,8 +23,8 @@ from .source import canonical, RecordingSource
 from .text_table import Columns, read_text
 from ..exceptions import MissingPackageError, RecordingError
 
-MOST_CELLS = 1 << 27
-"""Numbers of a compressed table; 1 GiB in memory."""
+MOST_CELLS = 1 << 26
+"""Numbers of a compressed table: 0.5 GiB, with what is made of them 2 GiB."""
 
 
 def is_table(path: Path) -> bool:
@@ -59,14 +59,21 @@ def _parquet(path: Path) -> Columns:
     try:
         with parquet.ParquetFile(path) as file:
             leaves = map(file.metadata.schema.column, range(file.metadata.num_columns))
-            numbers = [leaf.path for leaf in leaves  # a text or a list may expand to any size
-                       if 'BYTE_ARRAY' not in leaf.physical_type and not leaf.max_repetition_level]
+            numbers = [leaf.path for leaf in leaves if not leaf.max_repetition_level and (
+                # A text or a list may expand to any size.
+                'BYTE_ARRAY' not in leaf.physical_type or leaf.logical_type.type == 'DECIMAL')]
             _require_size(path, file.metadata.num_rows * len(numbers))
             table = file.read(columns=numbers)
         while any(map(types.is_struct, table.schema.types)):
             table = table.flatten()
-        return _of_arrays({name: column.to_numpy()
-                           for name, column in zip(table.column_names, table.columns)})
+        columns = dict(zip(table.column_names, table.columns))
+        del table
+        for name, column in columns.items():
+            if types.is_decimal(column.type):
+                columns[name] = column.cast('float64')
+            elif types.is_time(column.type):
+                columns[name] = column.cast('time64[ns]').cast('int64').cast('duration[ns]')
+        return _of_arrays({name: columns.pop(name).to_numpy() for name in list(columns)})
     except (ArrowException, ValueError) as error:
         raise RecordingError(
             f'pyarrow cannot read table {path}: {error}; write it again') from error
@@ -107,8 +114,8 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
             found.update(_of_arrays(value, f'{prefix}{name}.'))
             continue
         array = np.squeeze(np.asarray(value))
-        if array.dtype.kind == 'M':
-            array = array.astype('datetime64[ns]').astype(np.int64)
+        if array.dtype.kind in 'mM':
+            array = array.astype(f'{array.dtype.kind}8[ns]').astype(np.int64)
             name = f'{name}_ns'
         if array.dtype.kind in 'iufb' and array.ndim in (1, 2):
             array = array.T if array.ndim == 2 and len(array) < len(array.T) else array
@@ -117,8 +124,9 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
             found.update(zip((prefix + each for each in names), own))
     lengths = [len(column) for column in found.values()]
     most = max(set(lengths), key=lengths.count, default=0)
-    return Columns((name, column.astype(np.int64 if column.dtype.kind in 'iu' else np.float64))
-                   for name, column in found.items() if len(column) == most)
+    return Columns(
+        (name, column.astype(np.int64 if column.dtype.kind in 'iu' else np.float64, copy=False))
+        for name, column in found.items() if len(column) == most)
 
 
 _READERS: dict[str, Callable[[Path], Columns]] = {
@@ -150,10 +158,17 @@ class TableFile:
             if odd := columns.odd.get(column.removeprefix('-')):
                 self.columns[key] += f' ({odd[0]} cells hold no number, the first {odd[1][:40]!r})'
         order = np.argsort(stamp_ns, kind='stable')
-        self._stamp_ns = stamp_ns[order]
-        self._topics = {getattr(source, name): (TYPES[name], encode, rows[order]) for name, (
-            encode, rows) in messages_of(signals, len(order)).items()}
-        self.size = max(1, len(order))
+        again = np.diff(stamp_ns[order], prepend=-1) == 0
+        for values in signals.values():
+            own = values[order[again]], values[order[np.flatnonzero(again) - 1]]
+            again[again] = (own[0] == own[1]) | np.isnan(own).all(axis=0)
+        if again.any():
+            self.columns['t'] += f' ({again.sum()} rows are copies of others and are left out)'
+        self._order = order[~again]
+        self._stamp_ns = stamp_ns[self._order]
+        self._topics = {getattr(source, name): (TYPES[name], own) for name, own in messages_of(
+            signals, len(stamp_ns)).items()}
+        self.size = max(1, len(self._order))
 
     def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
         names = {topic: topic if wanted is None else wanted[canonical(topic)]
@@ -161,16 +176,17 @@ class TableFile:
         for begin in range(0, len(self._stamp_ns), _BATCH):
             part = slice(begin, begin + _BATCH)
             self.position = min(begin + _BATCH, self.size)
-            columns = [(name, *self._topics[topic][1:]) for topic, name in names.items()]
-            yield [RecordedMessage(name, stamp_ns, encode(stamp_ns, row))
-                   for place, stamp_ns in enumerate(self._stamp_ns[part].tolist(), begin)
-                   for name, encode, rows in columns
+            stamps_ns = self._stamp_ns[part].tolist()
+            columns = [(name, own.encode, own.rows(self._order[part])) for name, own in (
+                (name, self._topics[topic][1]) for topic, name in names.items())]
+            yield [RecordedMessage(name, stamp_ns, encode(stamp_ns, rows[place]))
+                   for place, stamp_ns in enumerate(stamps_ns) for name, encode, rows in columns
                    # A row may lack what is sampled at another rate.
-                   if not isnan((row := rows[place].tolist())[0])]
+                   if not isnan(rows[place][0])]
 
     def topics(self, asked: Collection[str] | None) -> dict[str, str]:
         """Return the type of each topic."""
-        return {topic: type_name for topic, (type_name, *_) in self._topics.items()}
+        return {topic: type_name for topic, (type_name, _) in self._topics.items()}
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return no records: a table has none."""
@@ -181,34 +197,46 @@ class TableFile:
         return int(self._stamp_ns[0]), int(self._stamp_ns[-1])
 
 
-def messages_of(
-    signals: Mapping[str, Rows], count: int
-) -> dict[str, tuple[Callable[[int, Sequence[float]], bytes], Rows]]:
+class Messages(NamedTuple):
+    """The messages of a topic in columns, stacked when they are needed: a table may be large."""
+
+    encode: Callable[[int, Sequence[float]], bytes]  # from stamp [ns] and row
+    columns: Sequence[Rows]  # of shape (N,)
+    whole: bool  # whether a row without one of its numbers is no message
+
+    def rows(self, places: Any) -> list[list[float]]:
+        """Return rows; one that begins with NaN is no message."""
+        rows = np.array([column[places] for column in self.columns]).T
+        if self.whole:
+            rows[np.isnan(rows).any(axis=1), 0] = nan
+        found: list[list[float]] = rows.tolist()
+        return found
+
+
+def messages_of(signals: Mapping[str, Rows], count: int) -> dict[str, Messages]:
     """
     Arrange signals as the messages of topics.
 
     signals (N,): by key, as of `signals_of_columns`
     count: n
-    Returns messages (N, n): by name of the topic: what encodes stamp and row, and the rows; one
-    that begins with NaN is no message
+    Returns messages, by name of the topic
     """
-    force = np.array([signals.get(key, np.zeros(count)) for key in FORCES]).T
-    present = [key for key in FORCES if key in signals]
-    found: dict[str, Any] = {}
-    if present:
-        force[np.isnan([signals[key] for key in present]).any(axis=0)] = nan
+    found, zero, unknown = dict[str, Messages](), *(
+        np.broadcast_to(value, count) for value in (0.0, nan))
+    if any(key in signals for key in FORCES):
         wrenches = WrenchEncoder('')
-        found['wrench'] = lambda stamp_ns, row: wrenches.encode(stamp_ns, *row), force
+        found['wrench'] = Messages(lambda stamp_ns, row: wrenches.encode(stamp_ns, *row),
+                                   [signals.get(key, zero) for key in FORCES], whole=True)
     for topic, kind in (('joint_states', 'joint'), ('reference_trajectory', 'reference')):
         names = [key[len(kind) + 1:] for key in signals if key.startswith(f'{kind}.')
                  and not key.endswith(tuple('.' + rate for rate in RATES[kind]))]
         if names:
             efforts = any(map(is_effort, signals))
             rates = RATES[kind] if kind == 'reference' or efforts else ('velocity',)
-            keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in rates))
-                    for name in names]
-            rows = np.array([signals.get(key, np.full(count, nan)) for key in keys]).T
-            found[topic] = partial(_encode, names, topic), rows
+            found[topic] = Messages(
+                partial(_encode, names, topic),
+                [signals.get(f'{kind}.{name}{rate}', unknown)
+                 for rate in ('', *('.' + r for r in rates)) for name in names], whole=False)
     return found
 
 

@@ -160,7 +160,7 @@ def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
 
 def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:
     """Read rows of any cells; a list in a cell, such as [1, 2], makes columns NAME_0, NAME_1."""
-    found, odd, sizes = [], dict[str, tuple[int, str]](), None
+    found, odd, sizes, of_day = [], dict[str, tuple[int, str]](), None, set[str]()
     for row in rows:
         if not any(cell.strip() for cell in row) or row[0].startswith(('#', '%')):
             continue
@@ -169,6 +169,8 @@ def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) ->
         if sizes is None:
             sizes = [0 if own is None else len(own) for own in lists]
             sizes += [0] * (len(names) - len(lists))
+            of_day = {name for name, cell in zip(names, row)
+                      if (time := _TIME.fullmatch(cell.strip())) and not time[1]}
         numbers: list[float | None] = []
         for name, cell, own, size in zip(names, row, lists, sizes):
             cells = (own or [])[:size] if size else [cell]
@@ -184,6 +186,9 @@ def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) ->
         values[:len(numbers)] = [np.nan if number is None else number for number in numbers]
     columns = Columns(zip(wide, table.T))
     columns.odd = odd
+    for name in of_day & set(columns):  # they begin again at midnight
+        known = np.isfinite(columns[name])
+        columns[name][known] = np.unwrap(columns[name][known], period=86400.0)
     return columns
 
 
