@@ -49,6 +49,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
     ('time,tau_J[0],q[0]', 'joint.q0.effort joint.q0'),
+    ('rosbagTimestamp,forceZ,posZ', 'wrench.force.z joint.z'),
 ])
 def test_columns_are_found_by_the_names_of_common_logs(
     tmp_path: Path, header: str, keys: str
@@ -131,6 +132,18 @@ def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
     rows = ''.join(f'{k};0;0\n' for k in range(300))
     (tmp_path / 'a.csv').write_text(f't_ms;F;x\n{rows}300;-0,125;0,5\n')
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
+
+
+@pytest.mark.parametrize('names, units', [
+    ('Ch 1 Displacement \tCh 1 Force \tCh 2 Torque \tRunning Time ', 'mm\tkN\tkN·mm\tsec'),
+    ('Crosshead\tLoad\t_Cycle\tTime', 'mm\tkN\t_Cycle\tsec'),
+])
+def test_units_of_testing_machines_count(tmp_path: Path, names: str, units: str) -> None:
+    (tmp_path / 'a.txt').write_text(
+        f'File Path: a\n\n{names}\n{units}\n2.0\t0.003\t1\t0.1\n2.5\t0.004\t1\t0.2\n')
+    signals = ce.read_table(tmp_path / 'a.txt')
+    assert signals['joint.x'].tolist() == [0.002, 0.0025]
+    assert signals['wrench.force.x'].tolist() == [3.0, 4.0]
 
 
 def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
@@ -229,6 +242,13 @@ def test_full_disk_names_the_file(recording: Path, capfd: pytest.CaptureFixture[
     for option in ('--csv', '--json'):
         refused = Command('replay', replay, capfd).refusal(recording, option, '/dev/full')
         assert 'No space left on device: /dev/full' in refused
+
+
+def test_objects_of_matlab_are_named(tmp_path: Path) -> None:
+    savemat(tmp_path / 'a.mat', {'log': [1.0]})  # scipy writes no objects
+    with mock.patch('scipy.io.whosmat', side_effect=TypeError), pytest.raises(
+            ce.ContactEstimationError, match='an object of a class, which only MATLAB'):
+        read_columns(tmp_path / 'a.mat')
 
 
 def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path) -> None:

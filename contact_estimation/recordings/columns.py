@@ -186,8 +186,16 @@ def _rank_and_key(name: str) -> tuple[int, str]:
     """Return the place in `_NAMES` of what a name means, and the signal; '' for none."""
     if is_key(name):
         return -1, name
-    name = re.sub(r'^column \d+: ', '', name)  # one of several of that name
-    plain = re.sub(r'\W+', '_', _UNIT.sub('', name.lower().strip())).strip('_')
+    name = _UNIT.sub('', re.sub(r'^column \d+: ', '', name).strip())  # one of several of that name
+    for words in (name, re.sub(r'(?<=[a-z])(?=[A-Z])', '_', name)):  # bagTimestamp
+        rank, key = _rank_of(re.sub(r'\W+', '_', words.lower()).strip('_'))
+        if key:
+            break
+    return rank, key
+
+
+def _rank_of(plain: str) -> tuple[int, str]:
+    """Return the place in `_NAMES` of what a normalised name means, and the signal."""
     plain = re.sub(r'(_(?:measurement|measured|value|reading|signal|channel))+$', '', plain)
     for rank, (pattern, key) in enumerate(_NAMES):
         match = re.fullmatch(pattern, plain)

@@ -85,7 +85,13 @@ def _mat(path: Path) -> Columns:
     try:
         with catch_warnings():
             simplefilter('ignore')  # of sizes in damaged files
-            _require_size(path, sum(prod(shape) for _, shape, _ in whosmat(path)))
+            try:
+                shapes = [shape for _, shape, _ in whosmat(path)]
+            except TypeError as error:  # an object has no shape
+                raise RecordingError(
+                    f'table {path} holds an object of a class, which only MATLAB reads; save its '
+                    "values: s = struct(object); save('values.mat', '-struct', 's')") from error
+            _require_size(path, sum(map(prod, shapes)))
             found = loadmat(path, simplify_cells=True)
         return _of_arrays({name: value for name, value in found.items()
                            if not name.startswith('__')})

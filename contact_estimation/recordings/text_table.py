@@ -31,7 +31,8 @@ class Columns(dict[str, NDArray[Any]]):
 
 _HEAD = 200  # lines in which the data begin
 _DELIMITERS = (',', ';', '\t', '|', None)  # None: spaces
-_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|(?![xyz]$)[a-zA-Z%/]{0,4}')  # x is an axis
+_UNIT = re.compile(r'[\[(][^\d\])][^\])]*[\])]|counts?|cycles?'
+                   r'|(?![xyz]$)[a-zA-Zµμ°%/]{0,4}(?:[·*][a-zA-Z]{1,3})?')  # x is an axis
 _LIKE_A_NUMBER = re.compile(r'\s*[+-]?\d*[.,][\d.,]*(?:[eE][+-]?\d+)?\s*')
 _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
 _LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
@@ -125,8 +126,8 @@ def _names(above: Sequence[list[str]], data: Sequence[list[str]]) -> list[str]:
     """Name the columns by the last rows above the data: groups, names, units."""
     count = mode(map(len, filter(None, data)))
     if all(len(row) != count for row in above):  # a delimiter ends each row, or some
-        above, data = list(map(_without_end, above)), list(map(_without_end, data))
-        count = max(map(len, data))
+        count = max(len(_without_end(row)) for row in data)
+    above = [row if len(row) == count else _without_end(row) for row in above]
     rows = [[cell.strip('"\' ') for cell in row] for row in above if len(row) == count]
     if not rows:
         return [str(place) for place in range(1, count + 1)]
@@ -155,7 +156,7 @@ def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
     cells = [(name, cell) for name, cell in zip(names, row) if cell]
     in_brackets = sum(cell.startswith(('[', '(')) for _, cell in cells)
     return 2 * in_brackets > len(cells) or all(
-        name and _UNIT.fullmatch(cell) for name, cell in cells)
+        name and (cell == name or _UNIT.fullmatch(cell)) for name, cell in cells)
 
 
 def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:
