@@ -138,7 +138,8 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
               if found.warned.name != _NO_CAUSE]
     cause = causes[0] if causes else ''
     free = replayed.statuses == {EstimateStatus.FREE}
-    said = cause or (replay.session.checks.explain_no_contact(axis) if free else '')
+    said = '; '.join(filter(None, (
+        cause, replay.session.checks.explain_no_contact(axis) if free else '')))
     held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3)
                      if reason not in said)
     if free:

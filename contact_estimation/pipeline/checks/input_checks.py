@@ -313,7 +313,8 @@ class InputChecks:
         pipeline = self._pipelines[axis]
         place = ('environment.location is taken at first touch'
                  if pipeline.surface.location != pipeline.surface.location
-                 else f'where environment.location is {pipeline.surface.location:.4g} m')
+                 else f'where environment.location is {pipeline.surface.location:.4g} m; set it '
+                 'to where the wall is, or to nan to take it at first touch')
         return (f'the largest pressing force is {pressing + 0.0:.3g} N, where contact begins '
                 f'above {pipeline.posterior.contact.threshold:.3g} N; x reaches {deepest:.4g} m, '
                 f'{place}')
