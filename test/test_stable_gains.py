@@ -100,7 +100,8 @@ def grows(robot: Robot, K_e: float, mujoco: bool = False, cycles: int = 240) -> 
             build(ce.PlantParameters, {
                 'environment.stiffness': K_e, 'environment.damping': robot.B_e,
                 'environment.unilateral': False, **{f'robot.{name}': own[name] for name in own},
-                'integration_rate': 10.0 / T if bare else max(10.0 / T, 3.0 * sqrt(inner))}), START)
+                'integration_rate': 10.0 / T if bare else max(10.0 / T, 3.0 * sqrt(inner)),
+            }), START)
     sent: list[tuple[float, float, float, float]] = []
     state, system = np.array([START, 0.0]), np.zeros((3, 3))
     system[0, 1], system[1] = 1.0, np.array([-robot.K_t, -robot.B_t, 1.0]) / robot.M_t
