@@ -128,7 +128,7 @@ class _Recorded:
 _TRIED, _FOLLOWED, _SCORED = 12, 8, 6
 _OF_FAMILY = 2  # of them; `siblings` has the others
 _STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
-_BRIEF, _LONGER, _TO_THE_END = 4, 8, 25  # steps of fits
+_BEGUN, _BRIEF, _LONGER, _TO_THE_END = 2, 4, 8, 25  # steps of fits
 
 
 class ContactModels:
@@ -271,9 +271,11 @@ class ContactModels:
 
     def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
         """Fit an effect of which one step tells little; a driven wall with a short memory."""
-        if not self._driven:
-            return min((fit(recordings, one.model, _LONGER) for one in near[:branches]),
-                       key=lambda found: found.cost)
+        if not self._driven:  # successive halving: K. Jamieson and A. Talwalkar 2016
+            begun = sorted((fit(recordings, one.model, _BEGUN) for one in near[:branches]),
+                           key=lambda found: found.cost)
+            return min((fit(recordings, one.model, _LONGER, known=one.residuals)
+                        for one in begun[:_BRANCHES]), key=lambda found: found.cost)
         near = sorted((fit_at(recordings, one.model, briefly=True) for one in near),
                       key=lambda found: found.cost)
         longer = [fit(recordings, one.model, _LONGER, briefly=True) for one in near[:branches]]
