@@ -152,13 +152,8 @@ class ParameterSpecification:
 
 
 def parameter(
-    default: Value,
-    description: str,
-    unit: str = '',
-    minimum: float | None = None,
-    maximum: float | None = None,
-    choices: tuple[str, ...] = (),
-    read_only: bool = False,
+    default: Value, description: str, unit: str = '', minimum: float | None = None,
+    maximum: float | None = None, choices: tuple[str, ...] = (), read_only: bool = False,
     nan_is_off: bool = False,
 ) -> Any:
     """

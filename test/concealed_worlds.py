@@ -198,8 +198,7 @@ def record(
         return (*experiment.desired(t)[:3], 0.0)
 
     start = experiment.desired(0.0).position
-    truths, samples = run_open_loop(
-        plant, reference, start, experiment.duration, further)
+    truths, samples = run_open_loop(plant, reference, start, experiment.duration, further)
     t = np.array([truth.t for truth in truths])
     return Signals(t, samples.force, t, samples.position, t,
                    np.array([reference(now) for now in t.tolist()]).T)

@@ -250,9 +250,7 @@ class Peer(Listener):
         self.diagnosed(lambda _, values: values.get(key) == str(count), f'{count} {reason}')
 
 
-def estimator_and_peer(
-    folder: Path, wishes: bool = True, **parameters: Any
-) -> Iterator[Peer]:
+def estimator_and_peer(folder: Path, wishes: bool = True, **parameters: Any) -> Iterator[Peer]:
     """Run an estimator node as long as a fixture lives; yields the peer that has met it."""
     with node_process(folder, 'estimator_node', **parameters):
         peer = Peer()

@@ -64,9 +64,7 @@ def test_reference_is_that_of_the_contact_axis_alone() -> None:
 def biased(samples: list[Instant], count: int) -> list[Instant]:
     """Rest in free flight under a bias."""
     first = samples[0]
-    return [
-        first._replace(stamp_ns=k * 2_000_000, forces=(1.0, -2.0, 3.0)) for k in range(count)
-    ]
+    return [first._replace(stamp_ns=k * 2_000_000, forces=(1.0, -2.0, 3.0)) for k in range(count)]
 
 
 def test_tare_acts_on_every_axis_and_is_repeated_by_its_event() -> None:
@@ -195,8 +193,7 @@ def test_csv_has_columns_of_every_axis(recording: Path, tmp_path: Path) -> None:
     assert header.split(',') == ['t', *names, *(f'{n}_{a}' for a in 'yz' for n in names)]
     results = feed_axes(session_of_axes(False), RECORDED)
     for row, result in zip(rows, results, strict=True):
-        own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value]
-               for e in result.estimates]
+        own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value] for e in result.estimates]
         assert row.split(',')[1:] == sum(own, [])
 
 

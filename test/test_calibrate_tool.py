@@ -112,8 +112,7 @@ def test_a_sensor_without_a_tool_is_named(
 
 def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     write(tmp_path / 'run.mcap', POSES, sign=-1.0)
-    (tmp_path / 'params.yaml').write_text(
-        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
@@ -123,8 +122,7 @@ def test_wrong_force_sign_of_the_parameter_file_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(tmp_path / 'run.mcap', POSES)
-    (tmp_path / 'params.yaml').write_text(
-        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
     assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 

@@ -251,9 +251,7 @@ class Worlds:
     ({'a': 0.25, 'b': 0.3, 'c': 0.95, 'd': 0.99}, {'a', 'b'}, 'fitted'),  # least of all d
     ({'d': 1e-4, 'b': 0.5}, {'d'}, 'extended'),  # nothing is left to gain
 ])
-def test_search_adds_laws_that_pay(
-    factors: dict[str, float], found: set[str], never: str
-) -> None:
+def test_search_adds_laws_that_pay(factors: dict[str, float], found: set[str], never: str) -> None:
     space = Worlds(**factors)
     compared = search(space, lambda text: None)
     assert compared.models[0].key == found

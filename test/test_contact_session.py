@@ -45,8 +45,7 @@ def send(of: Synchroniser, messages: list[Message]) -> list[ContactSample]:
 
 def streams(milliseconds: range, shift_ns: int = 0) -> list[Message]:
     """Wrench and joint at the same times, the joint later by a shift."""
-    return [m for t in milliseconds for m in
-            (('wrench', t * MS), ('joint', t * MS + shift_ns))]
+    return [m for t in milliseconds for m in (('wrench', t * MS), ('joint', t * MS + shift_ns))]
 
 
 def stamps_ms(samples: list[ContactSample]) -> list[float]:

@@ -28,8 +28,7 @@ import pytest
 from wall_worlds import Array, contact, Samples, spring_damper
 
 K, B = 5000.0, 100.0
-FREE, ESTIMATING, FROZEN = (
-    EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
+FREE, ESTIMATING, FROZEN = (EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 ESTIMATORS = ['multiple_model', 'kalman', 'rls', 'hunt_crossley']
 
 
@@ -60,8 +59,7 @@ def test_status_is_free_outside_the_wall_and_not_while_it_presses(estimator: str
 def test_estimates_out_of_contact_are_those_of_the_contact_before(estimator: str) -> None:
     samples = two_presses()
     estimates = estimates_of(samples, estimator=estimator)
-    held = {(one.stiffness, one.damping) for one, t in zip(estimates, samples.t)
-            if 2.1 < t < 2.5}
+    held = {(one.stiffness, one.damping) for one, t in zip(estimates, samples.t) if 2.1 < t < 2.5}
     assert len(held) == 1
     assert held.pop()[0] == pytest.approx(K, rel=0.02)
 

@@ -238,8 +238,7 @@ def test_discrepancy_is_found_beside_noise_of_any_spread(block: int, widest: flo
     plain = channel(spread, block)
     assert std_beyond_noise(
         plain.average(errors(spread, block, UNKNOWN)), plain) == pytest.approx(UNKNOWN, rel=0.06)
-    assert std_beyond_noise(
-        plain.average(errors(spread, block, 0.0)), plain) < 0.3 * NOISE
+    assert std_beyond_noise(plain.average(errors(spread, block, 0.0)), plain) < 0.3 * NOISE
 
 
 def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:

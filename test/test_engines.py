@@ -81,8 +81,7 @@ def force_of_drake(text: str, world: Any, hydroelastic: bool) -> Array:
         one.replace('</drake:proximity_properties>', slippery) for one in (of_wall, of_tool))
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, 1e-9 * PERIOD_NS)
-    plant.set_contact_model(
-        ContactModel.kHydroelastic if hydroelastic else ContactModel.kPoint)
+    plant.set_contact_model(ContactModel.kHydroelastic if hydroelastic else ContactModel.kPoint)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
     # Edges that lie on those of the wall's mesh would be counted twice now and then.
     shape, place = ('<box><size>0.06 0.01 0.01</size></box>', '-0.03 0.0113 0.0271 0.3 0 0') if (

@@ -198,9 +198,7 @@ def test_chunk_beyond_the_limit_is_refused(
 
 
 @pytest.mark.parametrize('compression', [CompressionType.ZSTD, CompressionType.LZ4])
-def test_chunk_that_holds_more_than_it_states_is_damage(
-    tmp_path: Path, compression: Any
-) -> None:
+def test_chunk_that_holds_more_than_it_states_is_damage(tmp_path: Path, compression: Any) -> None:
     content = bytearray(plain_file(
         tmp_path / 'a.mcap', compression=compression, finish=False).read_bytes())
     name = content.rindex(compression.name.lower().encode())
@@ -308,8 +306,7 @@ def moved(places: tuple[float, ...], **changes: Any) -> Signals:
     reference[0] += now
     reference[1] += (after - before) / (2.0 * h)
     reference[2] += (after - 2.0 * now + before) / h**2
-    return s._replace(
-        position=s.position + shift_of(s.joint_t, places), reference=reference)
+    return s._replace(position=s.position + shift_of(s.joint_t, places), reference=reference)
 
 
 def surfaces(signals: Signals) -> Surfaces:

@@ -67,8 +67,7 @@ def force_error(results: Sequence[Result]) -> float:
 
 def test_friction_of_the_description_takes_the_error_out_of_the_force() -> None:
     # Frictionless; friction as diagnose finds it, 10 % off, with masses 2 % off; the true one.
-    errors = [force_error(run_once(*share)[1])
-              for share in ((0.0, 1.0), (1.1, 1.02), (1.0, 1.0))]
+    errors = [force_error(run_once(*share)[1]) for share in ((0.0, 1.0), (1.1, 1.02), (1.0, 1.0))]
     assert errors[0] > 30.0 and errors[1] < 7.0 and errors[2] < 1.5
 
 

@@ -117,8 +117,7 @@ def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> 
     estimates = [estimate for batch in replay.estimates() for estimate, in batch]
     plant = json.loads((whole.folder / 'plant_summary.json').read_text())
     last = {e.stamp_ns: e for e in estimates}[plant['last_contact_stamp_ns']]
-    assert (last.stiffness, last.damping) == (whole.summary['stiffness'],
-                                              whole.summary['damping'])
+    assert (last.stiffness, last.damping) == (whole.summary['stiffness'], whole.summary['damping'])
 
 
 @pytest.mark.slow

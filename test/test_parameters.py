@@ -100,9 +100,7 @@ def test_unknown_name_suggests_the_nearest(name: str, nearest: str) -> None:
     ('innner.gain', "did you mean 'inner.gain'"), ('inner.gain.x', "did you mean 'inner.gain'"),
     ('inner.zzz', "'inner.zzz'; known"), ('zzz.gain', 'known: count, fixed, inner, '),
 ])
-def test_unknown_dotted_name_is_told_the_group_in_which_it_is_wrong(
-    name: str, said: str
-) -> None:
+def test_unknown_dotted_name_is_told_the_group_in_which_it_is_wrong(name: str, said: str) -> None:
     with pytest.raises(UnknownNameError) as caught:
         build(Outer, {name: 1.0})
     assert said in str(caught.value)

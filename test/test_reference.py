@@ -71,13 +71,8 @@ def sine_force(t: float) -> float:
 
 
 def play(
-    of: ReferenceGenerator,
-    begin: int,
-    end: int,
-    force: Callable[[float], float] = sine_force,
-    contact: bool = True,
-    K_hat: float = K,
-    x_d: float = 0.0204,
+    of: ReferenceGenerator, begin: int, end: int, force: Callable[[float], float] = sine_force,
+    contact: bool = True, K_hat: float = K, x_d: float = 0.0204,
 ) -> list[Reference]:
     """Step a generator through samples `begin` to `end`, with a resting x_d."""
     return [

@@ -78,9 +78,7 @@ def test_csv_has_one_row_per_sample_with_exact_numbers(
         assert status == estimate.status.value
 
 
-def test_json_has_the_documented_keys(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
+def test_json_has_the_documented_keys(recording: Path, tmp_path: Path, command: Command) -> None:
     assert command(recording, '--json', tmp_path / 'a.json').code == 0
     summary = json.loads((tmp_path / 'a.json').read_text())
     assert {
@@ -92,9 +90,7 @@ def test_json_has_the_documented_keys(
     assert summary['recorded_s'] == pytest.approx(0.002 * (len(SAMPLES) - 1))
 
 
-def test_mcap_output_is_read_by_rosbags(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
+def test_mcap_output_is_read_by_rosbags(recording: Path, tmp_path: Path, command: Command) -> None:
     rosbags = pytest.importorskip('rosbags.highlevel')
     store = pytest.importorskip('rosbags.typesys')
     assert command(recording, '--output', tmp_path / 'out.mcap').code == 0
@@ -156,9 +152,7 @@ def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
     assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
 
 
-def test_missing_topic_is_named_with_the_available_ones(
-    tmp_path: Path, command: Command
-) -> None:
+def test_missing_topic_is_named_with_the_available_ones(tmp_path: Path, command: Command) -> None:
     path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
     line = command.refusal(path)
     assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line

@@ -85,9 +85,7 @@ def peer(shared: Peer) -> Peer:
 
 
 @pytest.mark.parametrize('reason, send', BAD, ids=[f'{k}-{v[0]}' for k, v in enumerate(BAD)])
-def test_bad_message_is_counted_and_changes_nothing(
-    peer: Peer, reason: str, send: Send
-) -> None:
+def test_bad_message_is_counted_and_changes_nothing(peer: Peer, reason: str, send: Send) -> None:
     before = peer.rejections().get(reason, 0)
     samples = moved(TOUCH, peer.begin_ns)
     peer.feed(samples[:CUT])

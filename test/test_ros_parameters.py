@@ -17,9 +17,7 @@ from ros_peer import estimator_and_peer, Peer
 
 pytestmark = pytest.mark.slow
 
-SPECIFICATIONS = [
-    *specifications(EstimationParameters), *specifications(EstimatorNodeParameters)
-]
+SPECIFICATIONS = [*specifications(EstimationParameters), *specifications(EstimatorNodeParameters)]
 # Tool and target pose need an arm: see test_ros_arm.py.
 CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only
               and not spec.name.startswith(('tool.', 'publish_target_pose'))]

@@ -38,9 +38,7 @@ def replaced(given: NDArray[np.float64], gate: OutlierGate) -> NDArray[np.float6
 
 def hit(samples: list[ContactSample], at: list[int], force: float) -> list[ContactSample]:
     """Add a pressing force to single samples."""
-    return [
-        s._replace(force=s.force - force) if k in at else s for k, s in enumerate(samples)
-    ]
+    return [s._replace(force=s.force - force) if k in at else s for k, s in enumerate(samples)]
 
 
 @pytest.mark.parametrize('spike', [500.0, 100.0, -40.0])

@@ -35,9 +35,7 @@ def reference_at(t: float) -> tuple[float, float, float, float]:
     )
 
 
-def control(
-    t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t
-) -> float:
+def control(t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t) -> float:
     """Compute the control force of eq. (1) on the reference above."""
     x_r, v_r, a_r, _ = reference_at(t)
     return M * a_r - B * (v - v_r) - K * (x - x_r)

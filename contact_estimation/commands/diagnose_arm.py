@@ -89,9 +89,7 @@ def _check_wrench(options: Any, fitted: list[ArmRecording]) -> None:
             '--nominal out')
 
 
-def _contact(
-    options: Any, arm: ArmDiagnosis, progress: Callable[[str], None]
-) -> Diagnosis:
+def _contact(options: Any, arm: ArmDiagnosis, progress: Callable[[str], None]) -> Diagnosis:
     """Diagnose what the tip touches."""
     return diagnose_contact(
         options.recordings, options.nominal_robot, read_model(options.nominal),

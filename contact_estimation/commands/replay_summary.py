@@ -39,9 +39,8 @@ def picture_trace(path: str | None) -> EstimateTrace | None:
 
 
 def write_picture(
-    path: str, reader: RecordingReader, source: RecordingSource,
-    parameters: EstimationParameters, trace: EstimateTrace,
-    true: Mapping[str, float] | None = None,
+    path: str, reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    trace: EstimateTrace, true: Mapping[str, float] | None = None,
 ) -> None:
     """Write the picture of a recording."""
     signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)

@@ -192,8 +192,7 @@ def _on_frequency(
     powers = octave_powers(residual)
     drawn = _drawn(segments, generator)
     low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
-    permuted = [uneven(octave_powers(generator.permutation(residual)))
-                for _ in range(DRAWS // 4)]
+    permuted = [uneven(octave_powers(generator.permutation(residual))) for _ in range(DRAWS // 4)]
     middle = np.bincount(bins, frequencies)[1:] / lines[1:]
     return Dependence(
         channel, 'frequency', 'Hz', uneven(powers),

@@ -35,8 +35,7 @@ _FADES = 0.015  # of the speed of a motion: where dry friction fades at most, as
 
 def diagnose(
     recordings: Recording | Sequence[Recording], model: PlantParameters, *,
-    held_out: Sequence[Recording] = (), seed: int = 0,
-    progress: Progress = lambda text: None,
+    held_out: Sequence[Recording] = (), seed: int = 0, progress: Progress = lambda text: None,
 ) -> Diagnosis:
     """
     Compare recordings with the model that simulates them, and name the physics it lacks.
@@ -130,9 +129,7 @@ def _with_words_of_surfaces(diagnosis: Diagnosis, seen: Seen) -> Diagnosis:
     return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
 
 
-def _refuse_wrong_input(
-    recordings: Sequence[Recording], seed: int
-) -> None:
+def _refuse_wrong_input(recordings: Sequence[Recording], seed: int) -> None:
     if not recordings:
         raise ParameterRangeError('recordings must hold at least one recording, got none')
     if seed < 0:

@@ -130,8 +130,7 @@ def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
     """Describe where in the plane of depth and rate the residuals are large."""
     o, laws = recording.observed, model.laws()
     x, rate, _ = laws.at_wall(o)
-    d, v = (recording.blocks(each) for each in (
-        laws.contact.motion_along(o.t, x, rate).d, rate))
+    d, v = (recording.blocks(each) for each in (laws.contact.motion_along(o.t, x, rate).d, rate))
     use = d > 0.0 if laws.contact.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:
         return 'free flight'

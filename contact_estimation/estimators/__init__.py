@@ -44,9 +44,7 @@ OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
 }
 """Need the whole recording, and the force alone; the node refuses them."""
 
-MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {
-    'stiffness_matrix': StiffnessMatrix,
-}
+MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {'stiffness_matrix': StiffnessMatrix}
 """Of the full matrices of three axes, beside the estimator of the single axes."""
 
 EstimatorsTuning: type[ParameterGroup] = make_dataclass(

@@ -126,9 +126,7 @@ class HuntCrossley(OnlineEstimator):
             share, n_std, r_std = p.log_stiffness_std, p.exponent_std, p.dissipation_std
             self._seen_s = 0.0
         nn = n_std * n_std  # ln K at the mean penetration is independent of n
-        self._P = (
-            share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std
-        )
+        self._P = (share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std)
         self._std = self._spread()
 
     def update(
@@ -177,8 +175,7 @@ class HuntCrossley(OnlineEstimator):
         # weight along a wrong direction.
         bend = 0.5 * rr * by_r ** 2
         variance = max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        x, self._P, _ = correct(
-            self._x, P, (1.0, log_depth, by_r), error, variance, free)
+        x, self._P, _ = correct(self._x, P, (1.0, log_depth, by_r), error, variance, free)
         if not _LOWEST_EXPONENT <= x[1] <= _HIGHEST_EXPONENT:
             x = constrain(x, self._P, (0.0, 1.0, 0.0), _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
         self._x = x if not x[2] < 0.0 else constrain(x, self._P, (0.0, 0.0, 1.0), 0.0, inf)
@@ -237,13 +234,11 @@ class HuntCrossley(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = self._std
-        return new_tuple(
-            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
+        return new_tuple(ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
 
 
 def _std(P: Covariance, a: float, b: float, c: float) -> float:
     """Return the standard deviation of the combination a x_0 + b x_1 + c x_2."""
     aa, ab, ac, bb, bc, cc = P
-    variance = (a * (a * aa + 2.0 * (b * ab + c * ac)) + b * (b * bb + 2.0 * c * bc)
-                + c * c * cc)
+    variance = (a * (a * aa + 2.0 * (b * ab + c * ac)) + b * (b * bb + 2.0 * c * bc) + c * c * cc)
     return sqrt(variance) if variance > 0.0 else 0.0

@@ -165,5 +165,4 @@ class InstrumentalVariable(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = self._std
-        return new_tuple(
-            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
+        return new_tuple(ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))

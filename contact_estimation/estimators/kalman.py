@@ -38,9 +38,7 @@ class KalmanParameters(ParameterGroup):
         'Random walk of K_e and B_e relative to their values; larger: follows changes faster, '
         'noisier', '1/sqrt(s)', minimum=0.0,
     )
-    location_walk: float = parameter(
-        1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0
-    )
+    location_walk: float = parameter(1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0)
     resting_speed: float = parameter(
         0.0,
         'No update while the velocity is below this: static friction, which is not compensated, '

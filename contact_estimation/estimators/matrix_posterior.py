@@ -114,8 +114,7 @@ def _coefficients(theta: Array) -> Array:
     """Return those of the columns for each force, shape (..., 3, 22): exact to lag^2."""
     K, D = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
     c, lag, share = (theta[..., k:k + 3, None] for k in (18, 22, 25))
-    mu, first, second, mass = (
-        theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
+    mu, first, second, mass = (theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
     inertia = mass - lag * (D + (1.0 - share) * lag * K)
     return np.concatenate([K, D, inertia, mu, -lag * mu, mu @ first, mu @ second, c], axis=-1)
 

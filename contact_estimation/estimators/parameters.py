@@ -30,9 +30,7 @@ class EnvironmentParameters(ParameterGroup):
         3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
         minimum=1e-3, maximum=1e9,
     )
-    initial_damping: float = parameter(
-        50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9
-    )
+    initial_damping: float = parameter(50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9)
     minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
     maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
     maximum_damping: float = parameter(

@@ -146,8 +146,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         known_B = free_B and variance * BB < limit_B * limit_B
         if known_K and known_B:  # the usual case of `grow`
             g_M = g if free_M else 1.0
-            return (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M,
-                    MM * g_M * g_M)
+            return (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M, MM * g_M * g_M)
         return grow(P, (g if known_K else 1.0, g if known_B else 1.0, 1.0))
 
     def current(self) -> ParameterEstimate:
@@ -161,8 +160,7 @@ class RecursiveLeastSquares(OnlineEstimator):
 
 
 def _project(
-    theta: tuple[float, float, float],
-    P: tuple[float, float, float, float, float],
+    theta: tuple[float, float, float], P: tuple[float, float, float, float, float],
     limits: tuple[float, float, float],
 ) -> tuple[float, float, float]:
     """Project onto a limit along the covariance, so that K, B and M move consistently."""

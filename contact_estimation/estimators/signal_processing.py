@@ -62,9 +62,7 @@ def damping_ratio(cycles: float) -> float:
     return turns / sqrt(cycles**2 + turns**2)
 
 
-def step_response(
-    recording: ContactRecording,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def step_response(recording: ContactRecording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
     Return the step response in a recording, from the onset of the force on.
 

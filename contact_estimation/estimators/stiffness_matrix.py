@@ -129,8 +129,7 @@ class StiffnessMatrix:
             self._moved = self._moved or moves
             self._blocks = [*self._blocks, block][-_KEPT:]
             self._add(self._blocks[-1:])
-            self.estimate, normal = posterior(
-                stamp_ns, self._sums, self._normal, self._timing_std)
+            self.estimate, normal = posterior(stamp_ns, self._sums, self._normal, self._timing_std)
             if float(np.linalg.norm(normal - self._normal)) > _TURN:
                 self._normal, self._sums = normal, Sums.empty()
                 self._add(self._blocks)

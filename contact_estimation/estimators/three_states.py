@@ -85,9 +85,7 @@ def _given(P: Covariance) -> float:
     return max(aa - by_others, 0.0)
 
 
-def constrain(
-    x: State, P: Covariance, normal: State, low: float, high: float
-) -> State:
+def constrain(x: State, P: Covariance, normal: State, low: float, high: float) -> State:
     """
     Project states onto limits of a linear combination of them, along their covariance.
 

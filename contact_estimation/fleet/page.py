@@ -313,8 +313,7 @@ SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
 def as_html(fleet: Fleet) -> str:
     """Build the page."""
     prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
-    environment = diagnosis_page.environment(
-        __package__, 'contact_estimation.diagnosis.report')
+    environment = diagnosis_page.environment(__package__, 'contact_estimation.diagnosis.report')
     return environment.get_template('page.html').render(
         verdict='fleet', title=f'{len(fleet.entries)} recordings',
         sections={name: data for name, data in prepared.items() if data is not None},

@@ -110,8 +110,7 @@ class ContactKinematics:
         R_sensor = self._sensor_axes(motion, R, p)
         wrench = self._compensated(measured, R_sensor)
         self._force = R_sensor @ wrench[:3]
-        self.state = ArmState(
-            R, p, self._normal, wrench, self._twist, R_sensor, self._origin)
+        self.state = ArmState(R, p, self._normal, wrench, self._twist, R_sensor, self._origin)
         return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
 
     def components(self, place: int) -> tuple[float, float, float]:

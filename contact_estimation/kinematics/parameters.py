@@ -16,9 +16,7 @@ TAKEN, TRACKED = 'taken', 'tracked'
 class KinematicsParameters(ParameterGroup):
     """Links between which the joints of an arm lie; an empty tip: one prismatic axis, no arm."""
 
-    base: str = parameter(
-        '', 'Link in whose frame positions and poses are given', read_only=True
-    )
+    base: str = parameter('', 'Link in whose frame positions and poses are given', read_only=True)
     tip: str = parameter(
         '', 'Link that touches the wall; empty: no arm, the joint itself is the contact axis',
         read_only=True,

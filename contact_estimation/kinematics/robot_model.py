@@ -127,8 +127,7 @@ class RobotModel:
         pose = self._library.updateFramePlacement(self._model, self._data, place)
         if self._is_root:
             return pose.rotation.copy(), pose.translation.copy()
-        return (self._from_root @ pose.rotation,
-                self._from_root @ (pose.translation - self._root))
+        return (self._from_root @ pose.rotation, self._from_root @ (pose.translation - self._root))
 
     def _configuration(self, q: Sequence[float] | Array) -> Array:
         angles = np.asarray(q, float)

@@ -114,9 +114,7 @@ def _size(errors: Array, sigma: Array) -> Array:
     return np.asarray(halves.max(axis=1))
 
 
-def _weighted(
-    Phi: Array, wrench: Array, sigma: Array, weight: Array
-) -> tuple[Array, Array]:
+def _weighted(Phi: Array, wrench: Array, sigma: Array, weight: Array) -> tuple[Array, Array]:
     """Return weighted least squares and the inverse of its normal matrix."""
     scale = np.sqrt(weight)[:, None] / np.repeat(sigma, 3)  # (N, 6)
     A = (Phi * scale[..., None]).reshape(-1, Phi.shape[-1])

@@ -37,8 +37,7 @@ class MovingFrames:
     """
 
     def __init__(self, frames: Sequence[str], time_jump_s: float) -> None:
-        self._rows: dict[str, deque[Row]] = {
-            frame: deque(maxlen=_MOST_KEPT) for frame in frames}
+        self._rows: dict[str, deque[Row]] = {frame: deque(maxlen=_MOST_KEPT) for frame in frames}
         self._jump_ns = int(time_jump_s * 1e9)
         self._given_ns = BEFORE_ANY
 

@@ -44,9 +44,7 @@ def _branch(beta: float, gamma: float, motion: Motion) -> Array:
     return np.where(np.abs(path.gone) > np.abs(zero), beyond, kept_all * z_0 + added_all)
 
 
-def _propagate(
-    beta: float, gamma: float | Array, gone: Array, way: Array
-) -> tuple[Array, Array]:
+def _propagate(beta: float, gamma: float | Array, gone: Array, way: Array) -> tuple[Array, Array]:
     """Return a and b of z -> a z + b over a distance; gamma carries the sign of z."""
     c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
     x = np.clip(c * gone, -_LARGEST, None)

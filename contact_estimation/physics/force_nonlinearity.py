@@ -21,8 +21,7 @@ class ForceNonlinearity(ForceSensorEffect):
     """
 
     bend: float = optional_parameter('Change of the sensitivity per force', '1/N')
-    gain: float = optional_parameter(
-        'Sensitivity to small forces', '1', minimum=0.01, neutral=1.0)
+    gain: float = optional_parameter('Sensitivity to small forces', '1', minimum=0.01, neutral=1.0)
 
     equation = 'F_measured = F_e (gain + bend |F_e|)'
     family = 'sensor_gain'

@@ -42,8 +42,7 @@ class ImpactDamping(ContactEffect):
         states = np.zeros((1, len(t)))
         for first, stop in stretches(contact):
             if contact[first]:
-                states[0, first:stop] = max(
-                    abs(float(v[first])), _SLOWEST * self.sign_velocity)
+                states[0, first:stop] = max(abs(float(v[first])), _SLOWEST * self.sign_velocity)
         return states
 
     @classmethod

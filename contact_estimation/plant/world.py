@@ -110,8 +110,7 @@ class World:
             self._physics = parameters.physics
             self._effects = [*effects_that_are_on(
                 parameters.physics, parameters.sign_velocity), *self._further]
-            self._chain = [
-                e.reader() for e in self._effects if isinstance(e, ForceSensorEffect)]
+            self._chain = [e.reader() for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()
         self._law = ContactLaw(

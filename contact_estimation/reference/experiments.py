@@ -142,10 +142,8 @@ FORCE_EXCITATION: dict[str, Excitation | None] = {
 
 
 def manoeuvre(
-    name: str,
-    force_excitation: Excitation | None = None,
-    position_excitation: Excitation | None = None,
-    hold_s: float = 2.0,
+    name: str, force_excitation: Excitation | None = None,
+    position_excitation: Excitation | None = None, hold_s: float = 2.0,
     force: float = DESIRED_FORCE,
 ) -> Experiment:
     """

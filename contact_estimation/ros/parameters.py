@@ -57,8 +57,7 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
 
 
 def serve_changes(
-    node: Node,
-    known: Iterable[ParameterSpecification],
+    node: Node, known: Iterable[ParameterSpecification],
     change: Callable[[Mapping[str, Any]], None],
 ) -> None:
     """Apply changes of ROS parameters at run time."""

@@ -95,11 +95,8 @@ class RunnableNode(Protocol):
 
 
 def run_node(
-    make: Callable[[], RunnableNode],
-    purpose: str,
-    known: Iterable[ParameterSpecification],
-    args: Sequence[str] | None,
-    topic: str = '',
+    make: Callable[[], RunnableNode], purpose: str, known: Iterable[ParameterSpecification],
+    args: Sequence[str] | None, topic: str = '',
 ) -> int:
     """Run a node until it has finished or is interrupted."""
     arguments = list(sys.argv[1:] if args is None else args)

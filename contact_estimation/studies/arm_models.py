@@ -87,15 +87,12 @@ def mujoco_model(urdf: str, timestep: float) -> Any:
     spec.body(TIP).add_site(name=TIP)
     for kind, name in ((package.mjtSensor.mjSENS_FORCE, 'force'),
                        (package.mjtSensor.mjSENS_TORQUE, 'torque')):
-        spec.add_sensor(type=kind, name=name, objname=SENSOR,
-                        objtype=package.mjtObj.mjOBJ_SITE)
+        spec.add_sensor(type=kind, name=name, objname=SENSOR, objtype=package.mjtObj.mjOBJ_SITE)
     spec.option.timestep = timestep
     return spec.compile()
 
 
-def mujoco_arm(
-    urdf: str, arm: ArmDynamics, timestep: float, yielding: Sequence[int] = ()
-) -> Any:
+def mujoco_arm(urdf: str, arm: ArmDynamics, timestep: float, yielding: Sequence[int] = ()) -> Any:
     """Build the MuJoCo model of a description with other links; `yielding` joints get a gear."""
     mj, root = mujoco(), ElementTree.fromstring(urdf)
     for j in yielding:

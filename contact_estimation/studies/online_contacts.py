@@ -27,8 +27,7 @@ _TAP_GAP, _TAP_PERIOD_S = 1e-3, 0.5
 
 
 def _contacts(
-    draw: np.random.Generator, index: int, how: str, group: str, sensor: Any = (),
-    **path: Any,
+    draw: np.random.Generator, index: int, how: str, group: str, sensor: Any = (), **path: Any
 ) -> World:
     """Press twice on one wall, excited in every second world."""
     parameters, x_e = drawn_location(draw, how)

@@ -167,9 +167,7 @@ class ArmModels:
         best = max(scores, key=lambda one: scores[one])
         return frozenset(model - mine | best)
 
-    def _climb(
-        self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]
-    ) -> Model:
+    def _climb(self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]) -> Model:
         """Change a law at a time as long as a joint gains."""
         for _ in range(_STEPS):
             scores = judge.scores([mine, *self.neighbours(mine, every)])

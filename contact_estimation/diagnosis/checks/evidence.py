@@ -111,8 +111,7 @@ class Evidence:
     def wall_force(self) -> Array:
         """Magnitude of the nominal wall's force at the measured motion, shape (N,) [N]."""
         wall, s = self.model.environment, self.smooth
-        force = (wall.stiffness * (s.x - wall.location) + wall.damping * s.v
-                 + wall.inertia * s.a)
+        force = (wall.stiffness * (s.x - wall.location) + wall.damping * s.v + wall.inertia * s.a)
         if not wall.unilateral:
             return np.asarray(force)
         return np.where(s.x > wall.location, np.maximum(force, 0.0), 0.0)

@@ -112,9 +112,7 @@ def axis(evidence: Evidence) -> Finding:
                           "the wrench's frame and unit and the nominal stiffness")
 
 
-_LENGTHS: Mapping[str, float] = {
-    'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37,
-}
+_LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37}
 """Units of length in a metre."""
 
 _FORCES: Mapping[str, float] = {

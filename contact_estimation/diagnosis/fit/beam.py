@@ -52,8 +52,7 @@ class Compared(NamedTuple):
 
 
 def search(
-    space: Space, progress: Callable[[str], None], known: Compared | None = None,
-    laws: int = LAWS,
+    space: Space, progress: Callable[[str], None], known: Compared | None = None, laws: int = LAWS
 ) -> Compared:
     """Extend the best models as long as the gain that is left could pay for a further law."""
     evidence, models = known or refit(space, [])

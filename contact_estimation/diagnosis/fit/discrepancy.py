@@ -72,8 +72,7 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         if name not in model.effects and (robot or name == 'force_delay')
     ]
     if robot:
-        responses = (_held_acceleration(recording, model),
-                     *_steps_of_reference(recording, model))
+        responses = (_held_acceleration(recording, model), *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording

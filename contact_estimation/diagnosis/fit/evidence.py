@@ -264,9 +264,7 @@ def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
     return np.asarray(beyond.sum(axis=1) if channel is None else beyond[:, channel])
 
 
-def taken(
-    evidence: Evidence, before: Scored, after: Scored, channel: int | None = None
-) -> Array:
+def taken(evidence: Evidence, before: Scored, after: Scored, channel: int | None = None) -> Array:
     """Return the misfit that is left before a law and not after it, shape (P,) [N^2]."""
     return _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
 

@@ -147,8 +147,7 @@ class Fit(NamedTuple):
 
 
 def residual_function(
-    recordings: Recordings, model: Model, robust: bool = True,
-    briefly: bool = False,
+    recordings: Recordings, model: Model, robust: bool = True, briefly: bool = False
 ) -> Callable[[Array], Array]:
     """Return the function whose squares are minimised."""
 

@@ -67,8 +67,7 @@ def likely(compared: Compared, seed: int) -> Named:
     families = of_families(models, weights)
     probable = {family for family, weight in families.items()
                 if weight >= evidence.constants.named}
-    order = ranked_by(
-        range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
+    order = ranked_by(range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
     exactly = [k for k in order if models[k].named == probable]
     with_more = [k for k in order if probable <= models[k].named]
     of_them = [k for k in order if models[k].named <= probable]  # two may tie in one place

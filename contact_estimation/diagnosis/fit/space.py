@@ -265,8 +265,7 @@ class ContactModels:
         near.sort(key=lambda found: found.cost)
         if rings or near[0].cost >= present:
             alone = len(_laws(steps[0].start)) == 1
-            return self._from_afar(
-                recordings, near, 2 * _STARTS if rings and alone else _BRANCHES)
+            return self._from_afar(recordings, near, 2 * _STARTS if rings and alone else _BRANCHES)
         return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
 
     def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
@@ -277,8 +276,7 @@ class ContactModels:
         near = sorted((fit_at(recordings, one.model, briefly=True) for one in near),
                       key=lambda found: found.cost)
         longer = [fit(recordings, one.model, _LONGER, briefly=True) for one in near[:branches]]
-        best = min((fit_at(recordings, one.model) for one in longer),
-                   key=lambda found: found.cost)
+        best = min((fit_at(recordings, one.model) for one in longer), key=lambda found: found.cost)
         return fit(recordings, best.model, _BRIEF, known=best.residuals)
 
     def to_the_end(self, one: Scored) -> Scored | None:
@@ -316,9 +314,7 @@ def _laws(model: Model) -> list[str]:
 Item = TypeVar('Item')
 
 
-def _first_of(
-    items: Sequence[Item], name_of: Callable[[Item], str], count: int
-) -> list[Item]:
+def _first_of(items: Sequence[Item], name_of: Callable[[Item], str], count: int) -> list[Item]:
     """Return the first items that are not the third of their family."""
     found, seen = list[Item](), Counter[str]()
     for one in items:

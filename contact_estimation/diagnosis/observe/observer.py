@@ -182,9 +182,7 @@ def link_against_wall(
     return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, b)) / joint.mass
 
 
-def _deflection(
-    joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float
-) -> Array:
+def _deflection(joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float) -> Array:
     """Simulate a link on its joint, and on the wall's spring while it touches; shape (2, N)."""
     motion = np.zeros((2, len(push)))
     for first, stop in stretches(touching):

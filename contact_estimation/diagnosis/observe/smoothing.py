@@ -180,8 +180,7 @@ def _of_levels(values: Array) -> float:
 
 
 def motion_error(
-    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float,
-    left: Array | None,
+    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float, left: Array | None
 ) -> Array | None:
     """
     Estimate the errors of a smoothed motion.

@@ -120,10 +120,7 @@ def model_file(diagnosis: Diagnosis) -> str:
         or (value == value and (value != default[name] or value != given[name]))
     }
     physics = {name: value for name, value in changed.items() if name.startswith('physics.')}
-    estimator = {
-        'environment.location': changed['environment.location'],
-        **physics,
-    }
+    estimator = {'environment.location': changed['environment.location'], **physics}
     nodes = {
         'plant_node': {'ros__parameters': _nested(changed)},
         'estimator_node': {'ros__parameters': _nested(estimator)},

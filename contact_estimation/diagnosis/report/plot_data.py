@@ -108,8 +108,7 @@ def _motion_residuals(
 ) -> list[Residuals]:
     """Average the innovations: measured less one-step-ahead prediction of the motion."""
     innovations = {name: motion_residual(recording, model) for name, model in models.items()}
-    means = {name: 1e6 * recording.blocks(e)
-             for name, e in innovations.items() if e is not None}
+    means = {name: 1e6 * recording.blocks(e) for name, e in innovations.items() if e is not None}
     if len(means) < len(models):
         return []
     noise = 1e6 * recording.observed.position_noise / sqrt(recording.block)

@@ -92,8 +92,7 @@ def _parameters(d: Diagnosis) -> list[str]:
 
 
 def _held_out(d: Diagnosis) -> list[str]:
-    lines = [_row('Held-out errors (rms)', *MODELS),
-             _row('  force [N]', *_numbers(d.force, 1.0))]
+    lines = [_row('Held-out errors (rms)', *MODELS), _row('  force [N]', *_numbers(d.force, 1.0))]
     if d.motion.nominal is not None:
         lines.append(_row('  free-run position [um]', *_numbers(d.motion, 1e6)))
     lines.append(f'  force noise {d.noise_floor:.3g} N; held out: '

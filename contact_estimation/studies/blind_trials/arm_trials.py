@@ -246,8 +246,7 @@ class PlannedArm(NamedTuple):
 
     def write(self, files: TrialFiles) -> dict[str, Any]:
         """Draw the trial, write what is handed over, and return the truth."""
-        urdf, states, truth = _drawn(
-            self.kind, self.number, self.seed, self.pressing, self.engine)
+        urdf, states, truth = _drawn(self.kind, self.number, self.seed, self.pressing, self.engine)
         files.nominal.write_text(urdf)
         dynamics = ArmDynamics(urdf)
         write_arm_recording(files.recording, dynamics.joints, states)
@@ -290,9 +289,7 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
                          encoder.encode(stamp, *wrench), stamp)
 
 
-def scored(
-    truth: Mapping[str, Any], answer: Mapping[str, Any], world: str
-) -> dict[str, Any]:
+def scored(truth: Mapping[str, Any], answer: Mapping[str, Any], world: str) -> dict[str, Any]:
     """Score an answer: the first name beyond friction, which every arm has: family and place."""
     report = answer['report'] or {'effects': [], 'joints': [], 'verdict': answer['error']}
     contact = report.get('contact') or {'effects': [], 'verdict': ''}

@@ -113,9 +113,7 @@ class Search(NamedTuple):
     first: float  # strength
 
 
-def conceal(
-    degree_of: Callable[[float], float], requested: float, search: Search
-) -> Concealed:
+def conceal(degree_of: Callable[[float], float], requested: float, search: Search) -> Concealed:
     """
     Search the strength at which a law is concealed to a requested degree.
 

@@ -136,9 +136,7 @@ def judged(
     return names, RIGHT if names[0].right else WRONG
 
 
-def _percent(
-    report: Mapping[str, Any], name: str, truth: Mapping[str, Any]
-) -> float | None:
+def _percent(report: Mapping[str, Any], name: str, truth: Mapping[str, Any]) -> float | None:
     value = report.get('corrected', {}).get(name, {}).get('value')
     return 100.0 * (float(value) / truth[name] - 1.0) if value and truth.get(name) else None
 
@@ -255,8 +253,7 @@ def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
 
 
 def _by_kind(scores: Sequence[Score]) -> Mapping[str, list[Score]]:
-    parts = {kind: [score for score in scores if score.kind == kind]
-             for kind in KINDS}
+    parts = {kind: [score for score in scores if score.kind == kind] for kind in KINDS}
     return {kind: part for kind, part in parts.items() if part}
 
 

@@ -74,8 +74,7 @@ class Trial:
         """Return when the law shows [s]."""
         shown = residual(self.setting.law(self.law).in_motion, self.world, run)
         first, last = self.values.get('first', 0.0), self.values.get('last', inf)
-        return active_intervals(
-            np.where((run.t >= first) & (run.t <= last), shown, 0.0), run.t)
+        return active_intervals(np.where((run.t >= first) & (run.t <= last), shown, 0.0), run.t)
 
 
 def draw_trial(setting: Setting, law: str, rng: Generator) -> Trial:
