@@ -129,8 +129,7 @@ def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]
             for part in parts:
                 raw = joint_state_bytes(
                     ['finger_joint', *(JOINTS[k] for k in part)], [0.02, *q[part]],
-                    [0.0, *q_dot[part]], stamp_ns=stamp_ns,
-                )
+                    [0.0, *q_dot[part]], stamp_ns=stamp_ns)
                 listed.append(('/joint_states', stamp_ns, raw))
         force, torque = wrench[:3].tolist(), wrench[3:].tolist()
         raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id='sensor')

@@ -120,11 +120,8 @@ def contact_samples(
         force = min(-float(K_e * x + B_e * v), 0.0) if x > 0.0 else 0.0
         force_error, position_error = noise.standard_normal(2).tolist()
         samples.append(ContactSample(
-            round(k * 1e9 / rate),
-            float(x) + position_noise * position_error,
-            float(v) if with_velocity else nan,
-            force + force_noise * force_error,
-        ))
+            round(k * 1e9 / rate), float(x) + position_noise * position_error,
+            float(v) if with_velocity else nan, force + force_noise * force_error))
     return samples
 
 

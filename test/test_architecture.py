@@ -22,11 +22,10 @@ import pytest
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters',
-    'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference',
-    'estimators', 'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit',
-    'diagnosis', 'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
-    'studies.blind_trials', 'studies', 'executables',
-]
+    'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference', 'estimators',
+    'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit', 'diagnosis',
+    'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
+    'studies.blind_trials', 'studies', 'executables']
 
 
 def package_of(module: str) -> str:

@@ -172,8 +172,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for stamp_ns, positions, velocities, forces in RECORDED:
             raw = joint_state_bytes(
                 ['elbow', *reversed(JOINTS.values())], [9.0, *reversed(positions)],
-                [9.0, *reversed(velocities)], stamp_ns=stamp_ns,
-            )
+                [9.0, *reversed(velocities)], stamp_ns=stamp_ns)
             writer.write('/joint_states', JOINTS_TYPE, raw, stamp_ns)
             raw = wrenches.encode(stamp_ns, *forces)
             writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped', raw, stamp_ns)

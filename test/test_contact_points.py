@@ -29,8 +29,7 @@ INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # all that can happen
 GEOMETRY = ContactGeometry(
     points=np.array([[0.03, 0.0, -0.04], [-0.03, 0.0, -0.04], [0.05, 0.0, 0.01]]),
     surfaces=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.15, 0.0, 0.0]]),
-    normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]),
-)
+    normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
 
 BEGIN = (0.0, 0.0, 0.055)
 PITCH = 0.12  # [rad]: the front foot touches first

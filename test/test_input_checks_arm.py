@@ -164,10 +164,9 @@ def test_every_check_returns_a_text_or_none(seen: Evidence) -> None:
 
 
 @pytest.mark.parametrize('change', [
-    lambda k, s: s._replace(force=-27.0),
-    lambda k, s: s._replace(position=0.003, velocity=0.0, force=-27.0),
-    lambda k, s: s._replace(stamp_ns=s.stamp_ns - s.stamp_ns % 10_000_000 + 2000 * (k % 5)),
-])
+    lambda k, s: s._replace(force=-27.0), lambda k,
+    s: s._replace(position=0.003, velocity=0.0, force=-27.0), lambda k,
+    s: s._replace(stamp_ns=s.stamp_ns - s.stamp_ns % 10_000_000 + 2000 * (k % 5))])
 def test_a_session_judges_frozen_signals_and_bursts(change: Any) -> None:
     pipeline = EstimationPipeline()
     checks = InputChecks(EstimationParameters(), {'x': pipeline})

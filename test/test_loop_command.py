@@ -28,10 +28,9 @@ import pytest
 from ros_processes import Finished, ModuleProcess, run_module, wait_until
 
 KEYS = [
-    'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
-    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'eq20_force_n', 'model_fit',
-    'model_fit_worst', 'rate_hz', 'samples_sent', 'samples_lost', 'latency_ms', 'disturbed',
-]
+    'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent', 'damping_error_percent',
+    'mean_force_n', 'desired_force_n', 'eq20_force_n', 'model_fit', 'model_fit_worst', 'rate_hz',
+    'samples_sent', 'samples_lost', 'latency_ms', 'disturbed']
 EXPERIMENT = """
 start: -0.005
 segments:

@@ -145,9 +145,7 @@ def test_trajectories_of_every_structure_agree_with_rosbags(foreign: Foreign) ->
     for frame_length in range(10):
         rng = np.random.default_rng(frame_length)
         fields = ('positions', 'velocities', 'accelerations', 'effort')
-        for joints, points, filled in product(
-            (1, 2), (1, 3), product((True, False), repeat=3)
-        ):
+        for joints, points, filled in product((1, 2), (1, 3), product((True, False), repeat=3)):
             names = ['j' * (frame_length + k) for k in range(1, joints + 1)]
             made = [
                 {field: rng.normal(size=joints * present).tolist()

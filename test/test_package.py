@@ -160,8 +160,7 @@ def test_console_scripts_point_to_functions(setup_arguments: dict[str, Any]) -> 
 @pytest.mark.parametrize('module', [
     'commands.calibrate_tool', 'commands.convert', 'commands.diagnose', 'commands.fleet',
     'commands.loop', 'commands.replay', 'commands.simulate', 'commands.watch',
-    'studies.blind_trials.command', 'studies.reproduce',
-])
+    'studies.blind_trials.command', 'studies.reproduce'])
 def test_help_of_a_command_explains_every_option(module: str) -> None:
     parser = import_module(f'contact_estimation.{module}').make_parser()
     assert all(action.help for action in parser._actions)

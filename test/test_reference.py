@@ -150,10 +150,9 @@ COMMON = st.floats(-0.05, 0.05)
 HOSTILE = COMMON | ANY
 WANTED = st.builds(Desired, HOSTILE, HOSTILE, HOSTILE, st.floats(0.0, 100.0) | ANY)
 LIMITS = st.builds(
-    ReferenceParameters,
-    stiffness_floor=st.floats(1e-3, 1e4), maximum_velocity=st.floats(1e-6, 10.0),
-    fade_s=st.floats(1e-3, 60.0), maximum_force_rate=st.floats(0.0, 1e6),
-)
+    ReferenceParameters, stiffness_floor=st.floats(1e-3, 1e4),
+    maximum_velocity=st.floats(1e-6, 10.0), fade_s=st.floats(1e-3, 60.0),
+    maximum_force_rate=st.floats(0.0, 1e6))
 always_the_same = settings(
     derandomize=True, database=None, deadline=None, max_examples=200,
     phases=(Phase.explicit, Phase.generate),  # shrinking takes minutes

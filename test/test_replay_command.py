@@ -131,9 +131,8 @@ def test_what_may_be_a_recording_is_never_overwritten(
 def test_topics_and_axis_can_be_chosen(tmp_path: Path, command: Command) -> None:
     path = write_recording(tmp_path / 'a.mcap', '/fts/wrench', '/robot/joints', axis=2)
     ended = command(
-        path, '--topic', 'wrench:=/fts/wrench', '--topic', 'joint_states:=/robot/joints',
-        '--axis', 'z', '--joint', 'contact_x', '--json', tmp_path / 'a.json',
-    )
+        path, '--topic', 'wrench:=/fts/wrench', '--topic', 'joint_states:=/robot/joints', '--axis',
+        'z', '--joint', 'contact_x', '--json', tmp_path / 'a.json')
     assert ended.code == 0
     summary = json.loads((tmp_path / 'a.json').read_text())
     assert summary['stiffness'] == expected()[-1].stiffness
@@ -176,8 +175,7 @@ def test_wrong_parameter_file_is_refused(
 def test_process_prints_one_line_and_no_traceback(tmp_path: Path) -> None:
     run = subprocess.run(
         [sys.executable, '-m', 'contact_estimation.commands.replay', 'nowhere.mcap'],
-        capture_output=True, text=True,
-    )
+        capture_output=True, text=True)
     assert (run.returncode, run.stdout) == (1, '')
     assert len(run.stderr.splitlines()) == 1
 

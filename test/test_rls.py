@@ -142,9 +142,7 @@ def test_damping_is_at_least_twice_as_quiet_as_with_fixed_forgetting() -> None:
 def test_without_forgetting_it_is_batch_least_squares_with_the_prior() -> None:
     rows, prior = rows_with(400), np.array([2000.0, 100.0])  # which stays clear of all limits
     of = adaptive(
-        smallest_forgetting_factor=1.0, inertia_std=0.0,
-        stiffness_std=2000.0, damping_std=100.0,
-    )
+        smallest_forgetting_factor=1.0, inertia_std=0.0, stiffness_std=2000.0, damping_std=100.0)
     for row in rows.tolist():
         learn(of, TIMES, row, 0.25)
     phi = np.vstack([rows[:, 1:3] / 0.5, np.diag(1.0 / prior)])

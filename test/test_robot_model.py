@@ -120,8 +120,7 @@ def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
 
 TOOL = ToolParameters(
     mass=1.2, centre=(0.01, -0.02, 0.06), force_bias=(1.0, -2.0, 3.0),
-    torque_bias=(0.1, 0.2, -0.3),
-)
+    torque_bias=(0.1, 0.2, -0.3))
 w0, w1 = np.array([0.5, -1.0, 2.0]), np.array([-3.0, 1.5, 0.7])
 
 

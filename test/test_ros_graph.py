@@ -92,9 +92,8 @@ sys.exit(run_node(Interrupted, 'a node', [], []))
 @pytest.mark.parametrize('name', ['SIGINT', 'SIGTERM'])
 def test_interrupted_node_can_publish_until_it_has_stopped(tmp_path: Path, name: str) -> None:
     finished = subprocess.run(
-        [sys.executable, '-c', NODE.replace('{name}', name)],
-        env=environment(tmp_path), capture_output=True, text=True,
-    )
+        [sys.executable, '-c', NODE.replace('{name}', name)], env=environment(tmp_path),
+        capture_output=True, text=True)
     assert (finished.returncode, finished.stdout, finished.stderr) == (0, 'stopped\n', '')
 
 

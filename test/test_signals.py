@@ -114,8 +114,7 @@ def motion_under(mass: float, period: float) -> tuple[NDArray[np.float64], NDArr
     t = np.arange(0.0, 1.0, period)
     solution = solve_ivp(
         lambda t, s: [s[1], (press(t) - B * s[1] - STIFFNESS * s[0]) / mass], (0.0, 1.0),
-        [40.0 / STIFFNESS, 0.0], 'DOP853', t_eval=t, rtol=1e-11, atol=1e-14,
-    )
+        [40.0 / STIFFNESS, 0.0], 'DOP853', t_eval=t, rtol=1e-11, atol=1e-14)
     return t, solution.y
 
 

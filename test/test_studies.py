@@ -40,8 +40,7 @@ def test_estimators_and_peers_find_the_stiffness_of_a_world(candidate: str) -> N
 KEYS = {
     'case', 'estimator', 'law', 'seeds', 'stiffness_error_percent', 'damping_error_percent',
     'stiffness_bound_percent', 'damping_bound_percent', 'paper_stiffness_error_percent',
-    'paper_damping_error_percent',
-}
+    'paper_damping_error_percent'}
 
 
 def case(name: str, estimator: str) -> Case:

@@ -31,8 +31,7 @@ def reference_at(t: float) -> tuple[float, float, float, float]:
     w = 9.0
     return (
         START + 0.012 * (1.0 - np.cos(w * t)), 0.012 * w * np.sin(w * t),
-        0.012 * w * w * np.cos(w * t), 0.0,
-    )
+        0.012 * w * w * np.cos(w * t), 0.0)
 
 
 def control(t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t) -> float:

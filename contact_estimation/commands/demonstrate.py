@@ -107,8 +107,7 @@ def _diagnose(output: Path) -> dict[str, Any]:
 def _call(command: str, *arguments: str) -> None:
     done = subprocess.run(
         [sys.executable, '-m', f'contact_estimation.commands.{command}', *arguments],
-        stdout=subprocess.DEVNULL,
-    )
+        stdout=subprocess.DEVNULL)
     if done.returncode:
         raise ContactEstimationError(
             f'{command} ended with exit code {done.returncode}, expected 0; see its message above')

@@ -43,12 +43,10 @@ def make_parser() -> Parser:
     parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
     parser.add_argument(
         '--experiment', default='sine', metavar='NAME|FILE.yaml',
-        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
-    )
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments')
     parser.add_argument(
         '--params', metavar='FILE',
-        help='ROS 2 parameter file with sections estimator_node and plant_node',
-    )
+        help='ROS 2 parameter file with sections estimator_node and plant_node')
     parser.add_argument('--seed', type=int, help='seed of all noise')
     parser.add_argument(
         '--lockstep', action='store_true',
@@ -57,8 +55,7 @@ def make_parser() -> Parser:
     )
     parser.add_argument(
         '--watch', nargs='?', const=WINDOW, metavar='web|FILE.rrd',
-        help='show the run live in Rerun: in a window, on a web page, or in a file',
-    )
+        help='show the run live in Rerun: in a window, on a web page, or in a file')
     return parser
 
 

@@ -49,8 +49,7 @@ def make_parser() -> Parser:
     add_tare_option(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
-        help='also estimate this axis; may be given twice',
-    )
+        help='also estimate this axis; may be given twice')
     return parser
 
 

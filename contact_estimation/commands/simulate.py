@@ -40,8 +40,7 @@ def make_parser() -> Parser:
                        help='.mcap file, rosbag2 folder or table whose command is repeated')
     given.add_argument(
         '--experiment', metavar='NAME|FILE.yaml',
-        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
-    )
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments')
     parser.add_argument('--output', required=True, metavar='FILE',
                         help='.mcap file to write; must not exist')
     parser.add_argument('--seed', type=int,

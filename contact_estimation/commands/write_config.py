@@ -55,8 +55,7 @@ def make_parser() -> Parser:
     """Return the parser of the command line of `write_config`."""
     parser = Parser(
         prog='write_config',
-        description='Write the parameter files of the nodes, every parameter with a comment.',
-    )
+        description='Write the parameter files of the nodes, every parameter with a comment.')
     parser.add_argument(
         '--output', metavar='DIR', default='config', help='folder of the files (config)')
     return parser

@@ -151,8 +151,7 @@ def _dependence(
     return Dependence(
         channel, binned.on, binned.unit, float(total @ mean**2) / square,
         float(np.percentile(permuted, _SIGNIFICANCE)) / square, binned.names, binned.middle, mean,
-        low, high,
-    )
+        low, high)
 
 
 def _sums(series: Array, bins: Places, size: int) -> Array:

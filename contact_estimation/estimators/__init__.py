@@ -50,7 +50,5 @@ MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {'stiffness_matrix': Stiff
 EstimatorsTuning: type[ParameterGroup] = make_dataclass(
     'EstimatorsTuning',
     [(name, cls.Parameters, group(cls.Parameters)) for name, cls in ESTIMATORS.items()],
-    bases=(ParameterGroup,),
-    frozen=True,
-)
+    bases=(ParameterGroup,), frozen=True)
 EstimatorsTuning.__doc__ = 'The tuning of every estimator, each under its name.'

@@ -27,9 +27,7 @@ class ContactPointsParameters(ParameterGroup):
     initial_stiffness: float = parameter(3000.0, 'First guess of K_e', 'N/m', minimum=1e-3)
     initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
     initial_friction: float = parameter(
-        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0,
-        maximum=10.0,
-    )
+        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0, maximum=10.0)
     stiffness_std: float = parameter(
         1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
     )
@@ -41,8 +39,7 @@ class ContactPointsParameters(ParameterGroup):
     )
     forgetting_factor: float = parameter(
         0.999, 'Forgetting factor lambda per sample in contact; closer to 1: smoother, slower',
-        minimum=0.5, maximum=1.0,
-    )
+        minimum=0.5, maximum=1.0)
     force_noise: float = parameter(
         0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6
     )
@@ -57,8 +54,7 @@ class ContactPointsParameters(ParameterGroup):
     )
     maximum_relative_std: float = parameter(
         0.2, 'K_hat and B_hat are updated only while their relative standard deviation is lower',
-        minimum=1e-4,
-    )
+        minimum=1e-4)
 
 
 _STEPS = 2  # Gauss-Newton steps per sample, starting from the last result
@@ -233,9 +229,8 @@ class ContactPointsEstimator:
     ) -> ContactPointsEstimate:
         K_std, B_std, mu_std = np.sqrt(np.maximum(np.diag(self._covariance), 0.0)).tolist()
         return ContactPointsEstimate(
-            sample.stamp_ns, self._stiffness, self._damping, float(self._theta[2]),
-            K_std, B_std, mu_std, tuple(touching.tolist()), status, reason,
-        )
+            sample.stamp_ns, self._stiffness, self._damping, float(self._theta[2]), K_std, B_std,
+            mu_std, tuple(touching.tolist()), status, reason)
 
 
 def _products(theta: Array) -> Array:

@@ -32,13 +32,11 @@ class HuntCrossleyParameters(ParameterGroup):
         0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0
     )
     reference_depth: float = parameter(
-        0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm',
-        minimum=1e-7, maximum=10.0,
-    )
+        0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm', minimum=1e-7,
+        maximum=10.0)
     log_stiffness_std: float = parameter(
-        3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20',
-        minimum=1e-3, maximum=30.0,
-    )
+        3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20', minimum=1e-3,
+        maximum=30.0)
     dissipation_std: float = parameter(
         20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6
     )
@@ -48,8 +46,7 @@ class HuntCrossleyParameters(ParameterGroup):
     )
     depth_memory_s: float = parameter(
         0.5, 'Time constant of the mean penetration at which K_e and B_e are published', 's',
-        minimum=1e-3, maximum=1e3,
-    )
+        minimum=1e-3, maximum=1e3)
 
 
 class Law(NamedTuple):
@@ -223,8 +220,7 @@ class HuntCrossley(OnlineEstimator):
         K = exp(a - n * ln_0)
         return Law(
             K, n, r * K, K * _std(P, 1.0, -ln_0, 0.0), sqrt(max(P[3], 0.0)),
-            K * _std(P, r, -r * ln_0, 1.0),
-        )
+            K * _std(P, r, -r * ln_0, 1.0))
 
     @property
     def details(self) -> Mapping[str, float]:

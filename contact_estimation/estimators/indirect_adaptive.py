@@ -123,8 +123,7 @@ class IndirectAdaptive(OnlineEstimator):
         self._mean_B += share * (phi_B * phi_B - self._mean_B)
         return (
             0.0 if frozen.stiffness else 1.0 / (self._mean_K + _SMALLEST),
-            0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST),
-        )
+            0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST))
 
     @property
     def limitation(self) -> str:

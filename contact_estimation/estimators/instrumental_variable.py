@@ -31,9 +31,8 @@ class InstrumentalVariableParameters(ParameterGroup):
         's', minimum=0.0, maximum=1.0,
     )
     memory_s: float = parameter(
-        2.0, 'Time constant of forgetting; larger: smoother, slower', 's',
-        minimum=1e-3, maximum=1e6,
-    )
+        2.0, 'Time constant of forgetting; larger: smoother, slower', 's', minimum=1e-3,
+        maximum=1e6)
     stiffness_std: float = parameter(
         1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
     )

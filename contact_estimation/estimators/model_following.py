@@ -26,27 +26,21 @@ class ModelFollowingParameters(ParameterGroup):
     )
     arm_range: float = parameter(
         4.0, 'Mass and damping of the arm are limited to this factor of their initial values', '',
-        minimum=1.0,
-    )
+        minimum=1.0)
     error_rate: float = parameter(
         20.0, 'Rate at which x - x_m decays once the arm is known', '1/s', minimum=0.0, maximum=1e3
     )
     feedback_gain: float = parameter(
         2000.0, 'Gain of the filtered error; needs a sample period well below mass / gain',
-        'N s/m', minimum=1e-3,
-    )
+        'N s/m', minimum=1e-3)
     arm_mass_gain: float = parameter(
         6e4, 'Adaptation gain of the mass of the arm; 0: keep the initial value', 'kg s^2/m^2',
-        minimum=0.0,
-    )
+        minimum=0.0)
     arm_damping_gain: float = parameter(
         2e6, 'Adaptation gain of the damping of the arm; 0: keep the initial value', 'kg/m^2',
-        minimum=0.0,
-    )
+        minimum=0.0)
     adaptation_limit: float = parameter(
-        50.0, 'Upper limit of the adaptation rate in fast motion', '1/s',
-        minimum=1e-3,
-    )
+        50.0, 'Upper limit of the adaptation rate in fast motion', '1/s', minimum=1e-3)
 
 
 class Motion(NamedTuple):

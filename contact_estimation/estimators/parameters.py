@@ -18,8 +18,7 @@ class EnvironmentParameters(ParameterGroup):
 
     location: float = parameter(
         0.0, 'Surface of the untouched wall, x_e; NaN: it is taken at the first touch', 'm',
-        nan_is_off=True,
-    )
+        nan_is_off=True)
     location_std: float = parameter(
         0.002,
         'Standard deviation of location. A surface up to 3 of them away is found from the offset '
@@ -28,8 +27,7 @@ class EnvironmentParameters(ParameterGroup):
     )
     initial_stiffness: float = parameter(
         3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
-        minimum=1e-3, maximum=1e9,
-    )
+        minimum=1e-3, maximum=1e9)
     initial_damping: float = parameter(50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9)
     minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
     maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
@@ -76,5 +74,4 @@ class TrackingParameters(ParameterGroup):
     )
     carried_std: float = parameter(
         1.0, 'Standard deviation of K_hat and B_hat, relative to them, at a new contact',
-        minimum=1e-3, maximum=100.0,
-    )
+        minimum=1e-3, maximum=100.0)

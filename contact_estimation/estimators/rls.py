@@ -155,8 +155,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         return ParameterEstimate(
             self.stiffness, self.damping, sqrt(averaged * max(self._P[0], 0.0)),
             sqrt(averaged * max(self._P[3], 0.0)), 0.0,
-            self._M if self._p.estimate_inertia else nan,
-        )
+            self._M if self._p.estimate_inertia else nan)
 
 
 def _project(

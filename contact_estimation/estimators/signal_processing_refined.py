@@ -60,9 +60,8 @@ class SignalProcessingRefined(OfflineEstimator):
         from scipy.optimize import least_squares  # slow to import, and no node needs it
 
         return least_squares(
-            lambda p: force - fitted(t, force, float(p[0]), float(p[1])),
-            (w_d, decay), loss='soft_l1', f_scale=0.5 * scale, x_scale=(w_d, decay),
-        )
+            lambda p: force - fitted(t, force, float(p[0]), float(p[1])), (w_d, decay),
+            loss='soft_l1', f_scale=0.5 * scale, x_scale=(w_d, decay))
 
     def _spread(
         self, t: NDArray[np.float64], force: NDArray[np.float64], w_d: float, decay: float

@@ -47,9 +47,8 @@ class StiffnessMatrixParameters(ParameterGroup):
     """Memory of the estimator of the full matrices."""
 
     memory_s: float = parameter(
-        5.0, 'Time constant in contact after which samples are forgotten', 's',
-        minimum=0.1, maximum=1e4,
-    )
+        5.0, 'Time constant in contact after which samples are forgotten', 's', minimum=0.1,
+        maximum=1e4)
 
 
 class _Block(NamedTuple):

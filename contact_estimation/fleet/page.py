@@ -316,5 +316,4 @@ def as_html(fleet: Fleet) -> str:
     environment = diagnosis_page.environment(__package__, 'contact_estimation.diagnosis.report')
     return environment.get_template('page.html').render(
         verdict='fleet', title=f'{len(fleet.entries)} recordings',
-        sections={name: data for name, data in prepared.items() if data is not None},
-    )
+        sections={name: data for name, data in prepared.items() if data is not None})

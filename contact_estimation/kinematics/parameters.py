@@ -19,8 +19,7 @@ class KinematicsParameters(ParameterGroup):
     base: str = parameter('', 'Link in whose frame positions and poses are given', read_only=True)
     tip: str = parameter(
         '', 'Link that touches the wall; empty: no arm, the joint itself is the contact axis',
-        read_only=True,
-    )
+        read_only=True)
 
 
 @dataclass(frozen=True)

@@ -18,5 +18,4 @@ __all__ = [
     'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Generator', 'Joint',
     'log_uniform', 'Motion', 'motion_of', 'Need', 'Number', 'optional_parameter', 'path_of',
     'positive', 'Prior', 'random_sign', 'Reader', 'RobotEffect', 'Scales', 'Seen', 'State',
-    'Strength', 'stretches', 'Tone',
-]
+    'Strength', 'stretches', 'Tone']

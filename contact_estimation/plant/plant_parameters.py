@@ -67,8 +67,7 @@ class SensorParameters(ParameterGroup):
 
     force_noise: float = parameter(
         0.0, 'Half width (uniform) or standard deviation (normal) of the force noise', 'N',
-        minimum=0.0,
-    )
+        minimum=0.0)
     position_noise: float = parameter(0.0, 'Position noise, like force_noise', 'm', minimum=0.0)
     velocity_noise: float = parameter(0.0, 'Velocity noise, like force_noise', 'm/s', minimum=0.0)
     position_quantisation: float = parameter(
@@ -77,8 +76,7 @@ class SensorParameters(ParameterGroup):
     publish_velocity: bool = parameter(True, 'Whether joint_states contains velocities')
     distribution: str = parameter(
         'normal', 'Distribution of the noise; the paper uses uniform',
-        choices=('normal', 'uniform'),
-    )
+        choices=('normal', 'uniform'))
 
 
 @dataclass(frozen=True)
@@ -94,8 +92,7 @@ class PlantParameters(ParameterGroup):
     )
     integration_rate: float = parameter(
         5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1e-4, maximum=1e7,
-        read_only=True,
-    )
+        read_only=True)
     sign_velocity: float = parameter(
         SIGN_VELOCITY, 'Speed below which dry friction fades: sgn(v) = tanh(v / sign_velocity)',
         'm/s', minimum=1e-15, read_only=True)
@@ -111,16 +108,14 @@ class PlantNodeParameters(ParameterGroup):
     )
     duration: float = parameter(
         0.0, 'Time after which the node ends; 0: that of the experiment', 's', minimum=0.0,
-        read_only=True,
-    )
+        read_only=True)
     repeat: bool = parameter(
         False, 'Repeat the experiment until the duration is over; without a '
         'duration, without end', read_only=True,
     )
     subscribers: int = parameter(
         1, 'Number of subscribers of wrench and joint_states to wait for at the start', minimum=0,
-        maximum=1000, read_only=True,
-    )
+        maximum=1000, read_only=True)
     patience_s: float = parameter(
         30.0, 'Start without them after this', 's', minimum=0.0, read_only=True
     )
@@ -132,8 +127,7 @@ class PlantNodeParameters(ParameterGroup):
     joint: str = parameter('contact_x', 'Name of the joint', read_only=True)
     summary_file: str = parameter(
         '', 'At the end, write samples sent, samples dropped and latency to this JSON file',
-        read_only=True,
-    )
+        read_only=True)
 
 
 def read_model(path: str | PathLike[str], seed: int | None = None) -> PlantParameters:

@@ -134,8 +134,7 @@ def write_simulation(
     """Write a simulation to an MCAP file."""
     entries = [
         *_references(simulation, TrajectoryEncoder(frame_id, joint)),
-        *_samples(simulation, axis, joint, frame_id),
-    ]
+        *_samples(simulation, axis, joint, frame_id)]
     entries.sort(key=lambda entry: entry[0])
     with RecordingWriter.file(path) as writer:
         for stamp_ns, topic, type_name, data in entries:

@@ -65,8 +65,7 @@ class Multisine(Excitation):
     def rates(self, t: float) -> tuple[float, float]:
         return (
             self._scale * sum(w * cos(w * t + p) for w, p in self._parts),
-            -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts),
-        )
+            -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts))
 
 
 class PseudoRandomBinary(Excitation):

@@ -16,8 +16,7 @@ class PoseLimits(ParameterGroup):
 
     lead: float = parameter(
         0.1, 'Largest distance of the target from the measured position', 'm', minimum=1e-6,
-        maximum=10.0,
-    )
+        maximum=10.0)
     lower: tuple[float, ...] = parameter(
         (-10.0, -10.0, -10.0), 'Lower corner of the box, in the frame of kinematics.base, in '
         'which targets may lie', 'm',
@@ -46,24 +45,20 @@ class ReferenceParameters(ParameterGroup):
     )
     stiffness_floor: float = parameter(
         500.0, 'Lower limit of K_hat in the laws, so that a bad estimate commands no large depth',
-        'N/m', minimum=1e-3,
-    )
+        'N/m', minimum=1e-3)
     maximum_velocity: float = parameter(
         0.25, 'Limit of |dx_r/dt|, whether a force law is active or x_d passes through; must be '
         'above the speed of the planner, or x_r lags behind x_d', 'm/s', minimum=1e-6, maximum=1e6,
     )
     maximum_depth: float = parameter(
         nan, 'Limit of x_r beyond environment.location; NaN: no limit', 'm', minimum=0.0,
-        nan_is_off=True,
-    )
+        nan_is_off=True)
     fade_s: float = parameter(
-        0.2, 'Time over which the offset between two laws fades out', 's',
-        minimum=1e-3, maximum=60.0,
-    )
+        0.2, 'Time over which the offset between two laws fades out', 's', minimum=1e-3,
+        maximum=60.0)
     maximum_force_rate: float = parameter(
         2000.0, 'Faster changes of F_r are treated as steps, without feed-forward', 'N/s',
-        minimum=0.0,
-    )
+        minimum=0.0)
     limits: PoseLimits = group(PoseLimits, 'Limits of ~/target_pose of an arm')
 
 

@@ -71,8 +71,7 @@ class RawSubscriptions:
         """Subscribe to a topic; the callback gets the serialised message."""
         subscription = self._node.create_subscription(
             message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group,
-            qos_overriding_options=overridable() if overrides else None,
-        )
+            qos_overriding_options=overridable() if overrides else None)
         if wakes:
             self._waking = [*self._waking, (subscription, callback)]
         else:

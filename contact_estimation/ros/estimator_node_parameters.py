@@ -21,8 +21,7 @@ class EstimatorNodeParameters(ParameterGroup):
     )
     hardware_id: str = parameter(
         '', 'Of sensor or robot, for /diagnostics; empty: the frame of the wrench, else its topic',
-        read_only=True
-    )
+        read_only=True)
     publish_target_pose: bool = parameter(
         False, 'Publish the measured pose with x_r along the normal on ~/target_pose, for '
         'Cartesian controllers of an arm (kinematics.tip)'
@@ -31,5 +30,4 @@ class EstimatorNodeParameters(ParameterGroup):
         StabilityParameters, 'Gains of the robot, judged on the estimated wall: ~/stability')
     dedicated_wait_set: bool = parameter(
         True, 'Serve data on a dedicated wait set; false: on the executor, as usual in rclpy',
-        read_only=True,
-    )
+        read_only=True)

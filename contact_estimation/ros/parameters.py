@@ -40,11 +40,8 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
     """Return the ROS descriptor of a parameter."""
     unit = f' [{spec.unit}]' if spec.unit else ''
     message = ParameterDescriptor(
-        name=spec.name,
-        description=spec.description + unit,
-        additional_constraints=spec.expectation,
-        read_only=spec.read_only,
-    )
+        name=spec.name, description=spec.description + unit,
+        additional_constraints=spec.expectation, read_only=spec.read_only)
     if spec.minimum is None or spec.nan_is_off:
         return message  # rclpy's own range check would refuse NaN
     if isinstance(spec.default, float):

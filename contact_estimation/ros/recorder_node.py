@@ -86,8 +86,7 @@ class RecorderParameters(ParameterGroup):
     output: str = parameter('', 'Folder to write, which must not exist', read_only=True)
     estimator: str = parameter(
         'estimator_node', 'Name of the estimator node whose estimates are recorded',
-        read_only=True,
-    )
+        read_only=True)
 
 
 def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:

@@ -36,8 +36,7 @@ class WatchParameters(ParameterGroup):
     )
     show: str = parameter(
         'window', 'window: open the viewer; web: serve a page; else a file to write',
-        read_only=True,
-    )
+        read_only=True)
     follow_s: float = parameter(
         20.0, 'Seconds that the plots show', 's', minimum=0.1, read_only=True
     )

@@ -45,12 +45,10 @@ ARMS = {
     'panda': Arm(
         'panda', 'panda_description/urdf/panda.urdf', 'panda_link0', 'panda_link8',
         ('panda_hand', 'panda_hand_tcp', 'panda_leftfinger', 'panda_rightfinger'),
-        (0.2, -0.4, 0.1, -2.1, 0.2, 1.9, 0.6), 2, 1,
-    ),
+        (0.2, -0.4, 0.1, -2.1, 0.2, 1.9, 0.6), 2, 1),
     'ur5': Arm(
         'ur5', 'ur_description/urdf/ur5_robot.urdf', 'base_link', 'tool0', (),
-        (0.3, -1.3, 1.7, -1.4, -1.3, 0.4), 8, 2,
-    ),
+        (0.3, -1.3, 1.7, -1.4, -1.3, 0.4), 8, 2),
 }
 
 

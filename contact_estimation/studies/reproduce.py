@@ -100,8 +100,7 @@ def make_parser() -> Parser:
     )
     parser.add_argument(
         '--seeds', type=int, default=20,
-        help='runs of each case (20); at most 10 on the testbed, as in the paper',
-    )
+        help='runs of each case (20); at most 10 on the testbed, as in the paper')
     parser.add_argument('--json', metavar='FILE', help='write the table as JSON')
     parser.add_argument('--output', metavar='DIR', help='plot the figures as PNG into this folder')
     parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1,

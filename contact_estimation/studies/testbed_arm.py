@@ -131,10 +131,8 @@ def solve(matrix: Symmetric, right: Triple) -> Triple:
     k22, k23, k33 = m11 * m33 - m13 * m13, m12 * m13 - m11 * m23, m11 * m22 - m12 * m12
     scale = 1.0 / (m11 * k11 + m12 * k12 + m13 * k13)
     return (
-        scale * (k11 * r1 + k12 * r2 + k13 * r3),
-        scale * (k12 * r1 + k22 * r2 + k23 * r3),
-        scale * (k13 * r1 + k23 * r2 + k33 * r3),
-    )
+        scale * (k11 * r1 + k12 * r2 + k13 * r3), scale * (k12 * r1 + k22 * r2 + k23 * r3),
+        scale * (k13 * r1 + k23 * r2 + k33 * r3))
 
 
 def times(matrix: Symmetric, vector: Triple) -> Triple:
@@ -143,8 +141,7 @@ def times(matrix: Symmetric, vector: Triple) -> Triple:
     v1, v2, v3 = vector
     return (
         m11 * v1 + m12 * v2 + m13 * v3, m12 * v1 + m22 * v2 + m23 * v3,
-        m13 * v1 + m23 * v2 + m33 * v3,
-    )
+        m13 * v1 + m23 * v2 + m33 * v3)
 
 
 class Tip(NamedTuple):
@@ -178,9 +175,8 @@ class PlanarArm:
         """Compute M(a); angles: link angles [rad]; returns M: upper triangle [kg m^2]."""
         a1, a2, a3 = angles
         return (
-            self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3),
-            self._c22, self._c23 * cos(a2 - a3) + self._j23, self._c33,
-        )
+            self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3), self._c22,
+            self._c23 * cos(a2 - a3) + self._j23, self._c33)
 
     def centrifugal(self, angles: Triple, rates: Triple) -> Triple:
         """Compute the torques h(a, a') [N m] at link angles [rad] and rates [rad/s]."""
@@ -188,10 +184,8 @@ class PlanarArm:
         s12, s13 = self._c12 * sin(a1 - a2), self._c13 * sin(a1 - a3)
         s23 = self._c23 * sin(a2 - a3)
         return (
-            s12 * w2 * w2 + s13 * w3 * w3,
-            s23 * w3 * w3 - s12 * w1 * w1,
-            -s13 * w1 * w1 - s23 * w2 * w2,
-        )
+            s12 * w2 * w2 + s13 * w3 * w3, s23 * w3 * w3 - s12 * w1 * w1,
+            -s13 * w1 * w1 - s23 * w2 * w2)
 
     def accelerations(
         self, angles: Triple, rates: Triple, torques: Triple, force_x: float
@@ -209,13 +203,11 @@ class PlanarArm:
             (
                 self._c11, self._c12 * (c1 * c2 + s1 * s2) + self._j12,
                 self._c13 * (c1 * c3 + s1 * s3), self._c22,
-                self._c23 * (c2 * c3 + s2 * s3) + self._j23, self._c33,
-            ),
+                self._c23 * (c2 * c3 + s2 * s3) + self._j23, self._c33),
             (
                 t1 - t2 - h12 * q2 - h13 * q3 - force_x * l1 * s1,
                 t2 - t3 - h23 * q3 + h12 * q1 - force_x * l2 * s2,
-                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3,
-            ),
+                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3),
         )
 
     def joint_friction(self, rates: Triple, dry: float = 1.0, viscous: float = 1.0) -> Triple:
@@ -226,8 +218,7 @@ class PlanarArm:
         return (
             dry * (c1 * tanh(w1 / s)) + viscous * b1 * w1,
             dry * (c2 * tanh(v2 / s)) + viscous * b2 * v2,
-            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3,
-        )
+            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3)
 
     def tip_x(self, angles: Triple) -> float:
         """Compute the distance of the tip from the base [m], as `tip` does."""
@@ -239,9 +230,8 @@ class PlanarArm:
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)
         w1, w2, w3 = rates
         return Tip(
-            y1 + y2 + y3, -(x1 + x2 + x3), angles[2],
-            x1 * w1 + x2 * w2 + x3 * w3, y1 * w1 + y2 * w2 + y3 * w3, w3,
-        )
+            y1 + y2 + y3, -(x1 + x2 + x3), angles[2], x1 * w1 + x2 * w2 + x3 * w3,
+            y1 * w1 + y2 * w2 + y3 * w3, w3)
 
     def jacobian(self, angles: Triple) -> tuple[Triple, Triple]:
         """Compute d x / d a and d y / d a of the tip [m]; the third row is (0, 0, 1)."""
@@ -314,6 +304,4 @@ class ImpedanceController:
         bend = sin(a1 - a2)  # zero for a stretched arm
         return (
             (right_x * c2 - right_y * s2) / (l1 * bend),
-            (right_y * s1 - right_x * c1) / (l2 * bend),
-            a_3,
-        )
+            (right_y * s1 - right_x * c1) / (l2 * bend), a_3)

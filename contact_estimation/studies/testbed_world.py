@@ -283,8 +283,7 @@ def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
     # w_n^2 and 2 zeta w_n.
     moved = ContactRecording(
         contact.stamp_ns, contact.position, contact.velocity,
-        -1e3 * np.asarray(recording.tip - recording.tip[0]),
-    )
+        -1e3 * np.asarray(recording.tip - recording.tip[0]))
     fit = SignalProcessingRefined(_UNIT).estimate(moved)
     mass = target.stiffness / fit.stiffness
     return TargetImpedance(float(mass), float(mass * fit.damping), target.stiffness)

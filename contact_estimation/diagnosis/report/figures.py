@@ -150,8 +150,7 @@ def plot_plane(data: PlotData) -> Any:
         order = np.argsort(np.abs(residual))  # the greatest on top
         dots = axis.scatter(
             1e3 * plane.x[order], 1e3 * plane.v[order], c=residual[order], s=5, cmap='RdBu_r',
-            vmin=-saturated, vmax=saturated, linewidths=0, rasterized=True,
-        )
+            vmin=-saturated, vmax=saturated, linewidths=0, rasterized=True)
         axis.set_facecolor('#f7f8f9')
         axis.set_title(f'{name} model', color=COLOURS[name])
         axis.set_ylabel('velocity v [mm/s]')

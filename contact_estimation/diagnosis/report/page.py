@@ -31,10 +31,8 @@ def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None
     template = environment(__package__).get_template('diagnosis.html')
     return template.render(
         d=d, title=title, verdict=verdict, experiment_file=experiment_file,
-        failed=[one for one in d.checks if not one.ok],
-        passed=[one for one in d.checks if one.ok],
-        **_shown(d) if d.recordings else {},
-    )
+        failed=[one for one in d.checks if not one.ok], passed=[one for one in d.checks if one.ok],
+        **_shown(d) if d.recordings else {})
 
 
 def _shown(d: Diagnosis) -> dict[str, Any]:
@@ -86,8 +84,7 @@ def environment(*packages: str) -> Environment:
     loader = ChoiceLoader([PackageLoader(package, '.') for package in packages])
     environment = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True, keep_trailing_newline=True,
-    )
+        lstrip_blocks=True, keep_trailing_newline=True)
     environment.globals.update(words=wording)
     environment.filters.update(as_image=as_data_uri, plain=plain, with_std=with_std)
     return environment

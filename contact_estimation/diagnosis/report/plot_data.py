@@ -79,8 +79,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
     located = [] if diagnosis.location is None else diagnosis.location.intervals_s
     residuals = [
         *_force_residuals(recording, models, force, [] if in_motion else located),
-        *_motion_residuals(recording, models, located if in_motion else []),
-    ]
+        *_motion_residuals(recording, models, located if in_motion else [])]
     shown = residuals[-1 if in_motion else 0]
     blocks = np.arange(len(o.t) // recording.block, dtype=np.float64)
     return PlotData(
