@@ -142,8 +142,7 @@ class ParameterSpecification:
             raise ParameterRangeError(
                 f'{self.name} must be {self.expectation}, and at most {number_text(largest)} in '
                 f'magnitude, got {value!r}: its square would overflow; default '
-                + value_text(self.default)
-            )
+                + value_text(self.default))
 
     def _error(self, value: Any) -> ParameterRangeError:
         return ParameterRangeError(
@@ -298,8 +297,7 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
         if spec.check(changes[spec.name]) != flat[spec.name]:
             raise ParameterReadOnlyError(
                 f'{spec.name} is fixed at start ({flat[spec.name]!r}), got '
-                f'{changes[spec.name]!r}; set it in the parameter file and start again'
-            )
+                f'{changes[spec.name]!r}; set it in the parameter file and start again')
     return build(type(values), {**flat, **changes})
 
 

@@ -41,8 +41,7 @@ def urdf() -> str:
         f'<link name="{link}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/>'
         f'<child link="{link}"/><origin xyz="{_text(xyz)}" rpy="{_text(rpy)}"/>'
         f'<axis xyz="{_text(axis)}"/>{_LIMITS}</joint>'
-        for link, parent, name, kind, xyz, rpy, axis in _LINKS
-    )
+        for link, parent, name, kind, xyz, rpy, axis in _LINKS)
     return f'<robot name="small_arm"><link name="world"/>{joints}</robot>'
 
 

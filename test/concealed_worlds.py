@@ -149,8 +149,7 @@ def touches(*places: Touch, swing: float = 0.012) -> Experiment:
         excitation = Swing(swing, now + 0.5, duration)
         segments += [
             Segment(0.5, depth), Segment(duration, depth, position_excitation=excitation),
-            Segment(0.2, depth), Segment(0.4, FREE), Segment(0.3, FREE),
-        ]
+            Segment(0.2, depth), Segment(0.4, FREE), Segment(0.3, FREE)]
         now += duration + 1.4
     return Experiment('touches', FREE, tuple(segments))
 

@@ -88,8 +88,7 @@ def closed_loop(
 ) -> Run:
     """Run plant and session closed over the reference; equal requests share one run."""
     return _closed_loop(
-        tuple((estimation or {}).items()), tuple((plant or {}).items()), experiment, duration
-    )
+        tuple((estimation or {}).items()), tuple((plant or {}).items()), experiment, duration)
 
 
 @lru_cache(maxsize=None)

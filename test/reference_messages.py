@@ -68,8 +68,7 @@ def trajectory_bytes(
     made = [
         new('JointTrajectoryPoint', *(np.array(p.get(f, ()), np.float64) for f in fields),
             new('Duration', number, 0))
-        for number, p in enumerate(points)
-    ]
+        for number, p in enumerate(points)]
     message = new('JointTrajectory', header(**of_header), list(names), made)
     return serialized(message, TRAJECTORY, little_endian)
 
@@ -82,6 +81,5 @@ def transforms_bytes(
         new('TransformStamped', header(stamp_ns, parent), child, new(
             'Transform', new('Vector3', *map(float, pose[:3])),
             new('Quaternion', *map(float, pose[3:]))))
-        for stamp_ns, parent, child, pose in transforms
-    ]
+        for stamp_ns, parent, child, pose in transforms]
     return serialized(new('TFMessage', made), TF, little_endian)

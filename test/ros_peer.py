@@ -43,8 +43,7 @@ _KNOCK_S = 0.02
 
 def _set_request(values: Mapping[str, Any]) -> Any:
     return SetParameters.Request(parameters=[
-        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
-    ])
+        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()])
 
 
 class Peer(Listener):
@@ -77,8 +76,7 @@ class Peer(Listener):
         self.spin_until(
             lambda: all(p.get_subscription_count() for p in inputs)
             and all(self.node.count_publishers(topic) for topic in outputs),
-            'discovery',
-        )
+            'discovery')
         stamps, knocked = count(self.begin_ns, PERIOD_NS), [0.0]
 
         def passed() -> bool:
@@ -126,8 +124,7 @@ class Peer(Listener):
         self.spin_until(
             lambda: stamp_ns in self.heard['stiffness']
             and stamp_ns + PERIOD_NS in self.references,
-            f'all answers to {stamp_ns}',
-        )
+            f'all answers to {stamp_ns}')
 
     def wish(self, stamp_ns: int, *numbers: float) -> None:
         """Publish a wish that holds from an instant on; see `trajectory`."""
@@ -159,8 +156,7 @@ class Peer(Listener):
     def names(self) -> list[str]:
         """List the parameters of the node."""
         answer = self.call(
-            ListParameters, f'{self.name}/list_parameters', ListParameters.Request()
-        )
+            ListParameters, f'{self.name}/list_parameters', ListParameters.Request())
         return list(answer.result.names)
 
     def describe(self, names: Sequence[str]) -> list[Any]:

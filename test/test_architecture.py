@@ -82,11 +82,9 @@ def test_core_imports_without_ros() -> None:
     code = (
         'import importlib, sys\n'
         f'for name in {CORE!r}: importlib.import_module(name)\n'
-        f'print(len(sys.modules), [name for name in {BANNED!r} if name in sys.modules])'
-    )
+        f'print(len(sys.modules), [name for name in {BANNED!r} if name in sys.modules])')
     run = subprocess.run(
-        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True
-    )
+        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True)
     count, _, imported = run.stdout.strip().partition(' ')
     assert imported == '[]', run.stdout + run.stderr
     assert int(count) > len(CORE) > 100
@@ -109,8 +107,7 @@ def after_import() -> Any:
     """Return the modules loaded and the environment changed by importing the package."""
     code = (
         'import json, os, sys; before = dict(os.environ); import contact_estimation as ce\n'
-        'print(json.dumps([sorted(sys.modules), dict(os.environ) == before]))'
-    )
+        'print(json.dumps([sorted(sys.modules), dict(os.environ) == before]))')
     run = subprocess.run([sys.executable, '-c', code], cwd=REPOSITORY, check=True,
                          capture_output=True, text=True)
     return json.loads(run.stdout)

@@ -92,8 +92,7 @@ def test_tare_is_refused_for_all_while_one_axis_is_in_contact() -> None:
 @pytest.mark.parametrize('wrong, text', [
     ({'further_axes.x.joint': 'a'}, 'further_axes.x.joint must be empty, since x is the contact'),
     ({'joint': ''}, 'joint must name the joint of axis x .* got an empty text'),
-    ({'further_axes.y.joint': 'contact_z'}, 'must name different joints'),
-])
+    ({'further_axes.y.joint': 'contact_z'}, 'must name different joints')])
 def test_axes_that_do_not_fit_together_are_refused(wrong: dict[str, str], text: str) -> None:
     with pytest.raises(ContactEstimationError, match=text):
         build(EstimationParameters, {**PARAMETERS, **wrong})
@@ -117,8 +116,7 @@ def samples_of(
     return [
         tuple(ContactSample(round(2e6 * k), *map(float, (x[k, i], rates[k, i], F[k, i])))
               for i in range(3))
-        for k in range(len(T))
-    ]
+        for k in range(len(T))]
 
 
 def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
@@ -219,8 +217,7 @@ def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> No
 
 @pytest.mark.parametrize('given, text', [
     ('y=contact_y', 'AXIS:=JOINT'), ('y:=', 'AXIS:=JOINT'), ('w:=a', 'unknown axis'),
-    ('x:=contact_x', 'x is the contact axis'),
-])
+    ('x:=contact_x', 'x is the contact axis')])
 def test_wrong_further_axis_is_refused(
     recording: Path, capfd: pytest.CaptureFixture[str], given: str, text: str
 ) -> None:

@@ -91,8 +91,7 @@ def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path:
     ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
     ({'poses': POSES, 'sign': -1.0}, r'change the sign of force_sign \(now 1\)'),
     ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
-    ({'poses': POSES[:2]}, 'does not determine|at least 4'),
-])
+    ({'poses': POSES[:2]}, 'does not determine|at least 4')])
 def test_refusal_says_what_is_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: dict[str, Any], message: str
 ) -> None:

@@ -95,8 +95,7 @@ def test_a_law_is_taken_if_its_likelihood_pays_its_prior(gain: float, worth: boo
     ((1e3, 1e3, 1e3, 1e3, 1e3), scored(29.0, 'a'), scored(9.0, 'a', 'b')),
     ((1e3, 1e3, 1e3, 1e3, 1e3), scored(9.0, 'a', 'b'), scored(810.0, 'a')),
     # The same error by rarer curves is less likely.
-    ((90, 90, 90, 90, 90), scored(5.0, 'a'), replace(scored(5.0, 'b'), curves=1)),
-])
+    ((90, 90, 90, 90, 90), scored(5.0, 'a'), replace(scored(5.0, 'b'), curves=1))])
 def test_order_of_models(base: Sequence[float], best: Scored, worse: Scored) -> None:
     constants = CHEAP._replace(ideal=0.0) if base[0] > 1e3 else CONSTANTS
     assert evidence(scored(base), constants).ranked([worse, best]) == [best, worse]

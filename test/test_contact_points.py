@@ -65,8 +65,7 @@ def motion_at(t: float) -> ToolMotion:
     c, s = cos(place[3]), sin(place[3])
     rotation = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     return ToolMotion(
-        np.array(place[:3]), rotation, np.array(rate[:3]), np.array([0.0, rate[3], 0.0])
-    )
+        np.array(place[:3]), rotation, np.array(rate[:3]), np.array([0.0, rate[3], 0.0]))
 
 
 def force_of(motion: ToolMotion) -> np.ndarray:
@@ -197,8 +196,7 @@ def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> Co
 @pytest.mark.parametrize('sample, reason', [
     (resting((0.005, -0.02), (0.0, 0.0, 0.05)), 'a point may touch or not'),  # withdraws
     (resting((1e-6, -0.02), (0.0, 0.0, -0.1)), 'a point may touch or not'),  # at the surface
-    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown'),
-])
+    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown')])
 def test_what_cannot_be_told_from_the_motion_is_not_learned(
     sample: ContactPointsSample, reason: str
 ) -> None:

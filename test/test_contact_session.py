@@ -180,8 +180,7 @@ def finite(results: list[Result]) -> bool:
         isfinite(value)
         for r in results
         for value in (r.estimate.stiffness, r.estimate.damping, r.estimate.location,
-                      *(r.reference or ()))
-    )
+                      *(r.reference or ())))
 
 
 def problem_after(name: str, value: Any) -> str:

@@ -144,8 +144,7 @@ def test_event_survives_its_text(event: EstimationEvent) -> None:
 def test_start_event_restores_all_parameters() -> None:
     parameters = build(EstimationParameters, {'estimator': 'kalman', 'sample_rate': 400.0})
     event = EstimationEvent.from_text(
-        event_now(ContactSession(parameters), START, flatten(parameters)).to_text()
-    )
+        event_now(ContactSession(parameters), START, flatten(parameters)).to_text())
     assert repr(build(EstimationParameters, event.parameters)) == repr(parameters)
 
 

@@ -103,8 +103,7 @@ def found_in(name: str, channel: str) -> dict[str, Dependence]:
 @pytest.mark.parametrize('name, channel, on', [
     ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
     ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),
-    ('robot_friction', 'motion', 'its own past'),
-])
+    ('robot_friction', 'motion', 'its own past')])
 def test_residual_depends_on_the_quantity_of_the_missing_law(
     name: str, channel: str, on: str
 ) -> None:

@@ -120,8 +120,7 @@ def test_drake_computes_our_force(world: Any, hydroelastic: bool) -> None:
 @pytest.mark.parametrize('world', [
     model(4800.0, 200.0, 50.0), model(20_000.0, 100.0, 5.0), model(800.0, 30.0, 2.0),
     model(4800.0, 200.0, 50.0, robot_friction__F_c=6.0),
-    model(4800.0, 200.0, 10.0, reflected_inertia__M_r=5.0),
-])
+    model(4800.0, 200.0, 10.0, reflected_inertia__M_r=5.0)])
 def test_mujoco_computes_our_force(world: Any) -> None:
     ours = our_force(world)
     theirs = force_of_mujoco(mujoco_xml(world))

@@ -26,8 +26,7 @@ def free_flight(count: int, position: float = -0.05, level: float = 0.0) -> list
     noise = 0.5 * np.random.default_rng(12).standard_normal(count)
     return [
         ContactSample(k * PERIOD_NS, position, 0.0, level + error)
-        for k, error in enumerate(noise.tolist())
-    ]
+        for k, error in enumerate(noise.tolist())]
 
 
 def later(samples: list[ContactSample], by_ns: int) -> list[ContactSample]:

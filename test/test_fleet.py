@@ -62,8 +62,7 @@ def test_groups_are_named_by_the_pattern(robots: Path) -> None:
 
 @pytest.mark.parametrize('pattern, text', [
     ('(', 'must be a regular expression'), ('robot', 'must have a group in parentheses'),
-    ('(robot_a)', 'must match every path, but not archive/robot_b/bag'),
-])
+    ('(robot_a)', 'must match every path, but not archive/robot_b/bag')])
 def test_an_unusable_pattern_is_refused(robots: Path, pattern: str, text: str) -> None:
     with pytest.raises(ParameterRangeError, match=text):
         find_recordings(['archive'], pattern)
@@ -71,8 +70,7 @@ def test_an_unusable_pattern_is_refused(robots: Path, pattern: str, text: str) -
 
 @pytest.mark.parametrize('path, text', [
     ('nowhere', 'nowhere does not exist'), ('archive/*.db3', 'no recording at'),
-    ('empty', 'no recording at empty'),
-])
+    ('empty', 'no recording at empty')])
 def test_a_path_without_recordings_is_refused(robots: Path, path: str, text: str) -> None:
     (robots / 'empty').mkdir()
     with pytest.raises(RecordingError, match=text):
@@ -277,8 +275,7 @@ def test_page_says_what_changes_wears_and_differs() -> None:
 
 @pytest.mark.parametrize('options, text', [
     (['--jobs', '0'], '--jobs must be >= 1, got 0'),
-    (['--group-by', 'run'], 'must have a group in parentheses'),
-])
+    (['--group-by', 'run'], 'must have a group in parentheses')])
 def test_wrong_options_are_refused_in_one_line(
     options: list[str], text: str, recordings: Path, tmp_path: Path,
     capfd: pytest.CaptureFixture[str],

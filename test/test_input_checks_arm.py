@@ -71,8 +71,7 @@ def test_an_arm_has_the_remedies_of_an_arm(
     ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
     ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),
     ({'joint_missing': 4}, 'joint_missing', '3 s behind'),
-    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate'),
-])
+    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate')])
 def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part: str) -> None:
     texts = {'wrench_frame_id': 'set frame_id',
              'joint_states_joint_unknown': 'choose one of these'}

@@ -154,8 +154,7 @@ def test_diagnosis_reads_the_same_force(recorded: Path) -> None:
 
 @pytest.mark.parametrize('changes, text', [
     ({'kinematics.tip': ''}, 'wrench_source joint_efforts needs an arm'),
-    ({'force_sensor.axes': 'base'}, 'leave out force_sensor.frame'),
-])
+    ({'force_sensor.axes': 'base'}, 'leave out force_sensor.frame')])
 def test_parameters_that_contradict_each_other_are_refused(
     changes: dict[str, Any], text: str
 ) -> None:

@@ -88,8 +88,7 @@ def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
     summary = whole.summary
     assert summary['stiffness'] == pytest.approx(4800.0, rel=0.05)
     assert summary['stiffness_error_percent'] == pytest.approx(
-        100.0 * (summary['stiffness'] / 4800.0 - 1.0)
-    )
+        100.0 * (summary['stiffness'] / 4800.0 - 1.0))
     assert abs(summary['damping_error_percent']) < 15.0
 
 

@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 from reference_messages import (
     deserialized, FLOAT64, joint_state_bytes, JOINTS, new, serialized, STRING, TRAJECTORY,
-    trajectory_bytes, vector_bytes, WRENCH, wrench_bytes,
-)
+    trajectory_bytes, vector_bytes, WRENCH, wrench_bytes)
 
 FRAMES = ['abcdefghi'[:n] for n in range(10)]
 NAMES = ['x', 'xyz', 'x_axis', 'contact_x']
@@ -150,8 +149,7 @@ def test_trajectories_of_every_structure_agree_with_rosbags(foreign: Foreign) ->
             made = [
                 {field: rng.normal(size=joints * present).tolist()
                  for field, present in zip(fields, (True, *filled))}
-                for _ in range(points)
-            ]
+                for _ in range(points)]
             raw = trajectory_bytes(names, made, stamp_ns=7, frame_id='f' * frame_length)
             reading = TrajectoryDecoder(names[-1]).decode(foreign(raw, TRAJECTORY))
             expected = [made[0][f][-1] if made[0][f] else math.nan for f in fields]
@@ -176,8 +174,7 @@ def flat(values: Any) -> list[Any]:
 @pytest.mark.parametrize('make, decoder', [
     (lambda k: wrench_bytes((k, 2 * k, 3 * k), stamp_ns=k, frame_id='tool'), WrenchDecoder()),
     (lambda k: joint_state_bytes(['x'], [k], [2 * k], stamp_ns=k), JointsDecoder([''])),
-    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), JointsDecoder(['x'])),
-])
+    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), JointsDecoder(['x']))])
 def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     raws = [make(k * 10**8) for k in range(50)]
     columns = flat(decoder.decode_many(raws))
@@ -198,8 +195,7 @@ def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     (TrajectoryDecoder('z'), trajectory_bytes(['x', 'y'], [{'positions': [1.0, 2.0]}]),
      'joint_unknown'),
     (TrajectoryDecoder('y'), trajectory_bytes(['x', 'y'], [{'positions': [1.0]}]),
-     'trajectory_empty'),
-])
+     'trajectory_empty')])
 def test_trouble_with_joints_has_the_same_reason_each_time(
     decoder: Any, raw: bytes, reason: str
 ) -> None:
@@ -212,8 +208,7 @@ def test_trouble_with_joints_has_the_same_reason_each_time(
 @pytest.mark.parametrize('decoder, good', [
     (WrenchDecoder(), wrench_bytes((1, 2, 3), frame_id='tool0')),
     (JointStateDecoder(), joint_state_bytes(['x'], [1.0], [2.0], [3.0])),
-    (TrajectoryDecoder(), trajectory_bytes(['x'], [{'positions': [1.0]}])),
-])
+    (TrajectoryDecoder(), trajectory_bytes(['x'], [{'positions': [1.0]}]))])
 def test_message_cut_anywhere_is_malformed(decoder: Any, good: bytes) -> None:
     expected = decoder.decode(good)
     for size in range(len(good)):

@@ -121,8 +121,7 @@ def output_of(code: str, **environment: str) -> str:
 @pytest.mark.parametrize('given, one, run', [
     ({}, True, 'from contact_estimation.executables import simulate; simulate()'),
     ({'OMP_NUM_THREADS': '3'}, False, 'import runpy; '
-     'runpy.run_module("contact_estimation.commands.simulate", run_name="__main__")'),
-])
+     'runpy.run_module("contact_estimation.commands.simulate", run_name="__main__")')])
 def test_commands_compute_on_one_thread_unless_the_user_chooses(
     run: str, given: dict[str, str], one: bool
 ) -> None:

@@ -50,8 +50,7 @@ def test_series_gives_the_wanted_force() -> None:
 
 def test_force_tracking_gives_the_wanted_force() -> None:
     run = closed_loop(
-        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6
-    )
+        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6)
     assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
 
 
@@ -77,8 +76,7 @@ def play(
     """Step a generator through samples `begin` to `end`, with a resting x_d."""
     return [
         of.step(T * k, T, Desired(x_d, 0.0, 0.0, force(T * k)), contact, 0.0, K_hat)
-        for k in range(begin, end)
-    ]
+        for k in range(begin, end)]
 
 
 def generator(law: str = 'eq20', **parameters: float) -> ReferenceGenerator:
@@ -242,8 +240,7 @@ def test_no_sequence_of_events_breaks_a_limit(pauses: list[tuple[Event, int]]) -
     ([Event('shift', -3.0, 'wrench')], {'wrench_past_stamp': 1}, 0),
     ([Event('shift', 1e4)] * (CONFIRMING - 1),
      {'joint_future_stamp': CONFIRMING - 1, 'wrench_future_stamp': CONFIRMING - 1}, 0),
-    ([Event('clock', -3600.0)], {}, 1), ([Event('clock', 3600.0)], {}, 0),
-])
+    ([Event('clock', -3600.0)], {}, 1), ([Event('clock', 3600.0)], {}, 0)])
 def test_false_stamps_are_counted_and_only_a_clock_that_stays_is_followed(
     events: list[Event], reasons: dict[str, int], jumps: int
 ) -> None:

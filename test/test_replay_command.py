@@ -99,8 +99,7 @@ def test_mcap_output_is_read_by_rosbags(recording: Path, tmp_path: Path, command
         connections = [c for c in reader.connections if c.topic == '/estimator_node/stiffness']
         vectors = [
             reader.deserialize(raw, c.msgtype).vector
-            for c, _, raw in reader.messages(connections)
-        ]
+            for c, _, raw in reader.messages(connections)]
     assert [vector.x for vector in vectors] == [e.stiffness for e in expected()]
     assert all(isnan(vector.y) and isnan(vector.z) for vector in vectors)
 
@@ -115,8 +114,7 @@ def test_existing_mcap_output_is_refused(
 
 @pytest.mark.parametrize('name, content', [
     ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''),
-    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None),
-])
+    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None)])
 def test_what_may_be_a_recording_is_never_overwritten(
     recording: Path, tmp_path: Path, command: Command, name: str, content: bytes | None
 ) -> None:
@@ -162,8 +160,7 @@ def test_missing_topic_is_named_with_the_available_ones(tmp_path: Path, command:
     ('estimator_node: 5', 'ros__parameters'),
     ('estimator_node: {ros__parameters: {estimater: rls}}', "did you mean 'estimator'"),
     ('estimator_node: {ros__parameters: {sample_rate: -1.0}}', 'sample_rate'),
-    ('estimator_node: {ros__parameters: {sample_rate: fast}}', 'sample_rate'),
-])
+    ('estimator_node: {ros__parameters: {sample_rate: fast}}', 'sample_rate')])
 def test_wrong_parameter_file_is_refused(
     recording: Path, tmp_path: Path, command: Command, text: str, part: str
 ) -> None:

@@ -36,8 +36,7 @@ J = np.array([  # eq. (39): (K_e, B_e, M_e) of (A, B, C)
 def estimator(**tuning: Any) -> RecursiveLeastSquares:
     """Make an estimator with the default first guess."""
     return RecursiveLeastSquares(
-        RecursiveLeastSquaresParameters(**tuning), EnvironmentParameters(), T
-    )
+        RecursiveLeastSquaresParameters(**tuning), EnvironmentParameters(), T)
 
 
 def signals(count: int, noise: float = 0.0, B_e: float = B) -> NDArray[np.float64]:
@@ -112,8 +111,7 @@ STIFFNESS, DAMPING, TIMES, FORCE_STD = 4800.0, 200.0, 0.002, 0.58
 def adaptive(**tuning: Any) -> AdaptiveLeastSquares:
     """Make an adaptive with the default first guess."""
     return AdaptiveLeastSquares(
-        AdaptiveLeastSquaresParameters(**tuning), EnvironmentParameters(), TIMES
-    )
+        AdaptiveLeastSquaresParameters(**tuning), EnvironmentParameters(), TIMES)
 
 
 def rows_with(count: int) -> NDArray[np.float64]:
@@ -160,8 +158,7 @@ POSITION_NOISE = 1e-4
 def instrumental(**tuning: Any) -> InstrumentalVariable:
     """Make an estimator with the default first guess."""
     return InstrumentalVariable(
-        InstrumentalVariableParameters(**tuning), EnvironmentParameters(), T_IV
-    )
+        InstrumentalVariableParameters(**tuning), EnvironmentParameters(), T_IV)
 
 
 def rows_on(count: int, noise: float = 0.5, seed: int = 10) -> NDArray[np.float64]:
@@ -207,13 +204,11 @@ def test_the_estimate_is_that_of_the_wall_behind_a_compliant_robot(K_e: float) -
     samples = [
         s._replace(position=s.position - C * s.force, velocity=float('nan'))
         for s in contact_samples(2.0, K_e=K_e, B_e=K_e * 2e-3, depth=50.0 / K_e,
-                                 amplitude=10.0 / K_e)
-    ]
+                                 amplitude=10.0 / K_e)]
     plain, known = (
         estimates_of(samples, pipeline_with(
             estimator='rls_adaptive', contact__force_noise=1e-3, robot__compliance=compliance))[-1]
-        for compliance in (0.0, C)
-    )
+        for compliance in (0.0, C))
     assert plain.stiffness == pytest.approx(K_e / (1.0 + C * K_e), rel=3e-3)
     assert known.stiffness == pytest.approx(K_e, rel=3e-3)
     assert known.damping == pytest.approx(K_e * 2e-3, rel=0.1)
@@ -231,8 +226,7 @@ BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
     ((0.0, 0.0, 0.08), 0.04, -0.02),  # back into it
     ((0.0, 0.0, 0.0), 0.04, None),  # further out than the lead
     ((0.0, 1.5, 0.3), 0.01, None),  # beside it
-    ((0.0, 0.0, 0.3), nan, None),
-])
+    ((0.0, 0.0, 0.3), nan, None)])
 def test_steps_stay_within_lead_and_box(
     position: tuple[float, ...], step: float, expected: float | None
 ) -> None:

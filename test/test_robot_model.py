@@ -70,8 +70,7 @@ def test_only_the_joints_between_base_and_tip_are_asked_for(model: RobotModel) -
 @pytest.mark.parametrize('base, tip, text', [
     ('base_link', 'tol', "unknown link .* 'tol'; did you mean 'tool'"),
     ('world', 'base_link', 'no joint moves kinematics.tip'),
-    ('finger', 'tool', 'finger_joint moves the base and not the tip'),
-])
+    ('finger', 'tool', 'finger_joint moves the base and not the tip')])
 def test_frames_that_cannot_serve_are_named(base: str, tip: str, text: str) -> None:
     pytest.importorskip('pinocchio')
     with pytest.raises((ModelFileError, UnknownNameError), match=text):

@@ -20,8 +20,7 @@ from ros_messages import (
     session_results,
     to_stamp,
     trajectory,
-    wrench,
-)
+    wrench)
 from ros_peer import estimator_and_peer, Peer
 
 pytestmark = pytest.mark.slow
@@ -42,8 +41,7 @@ def bad_wrench(shift_ns: int, force: float, frame_id: str = 'tool') -> Send:
 def bad_joint(shift_ns: int, position: float, *names: str) -> Send:
     """Send a joint state so long after the last good sample."""
     return lambda peer, last: peer.joints.publish(
-        joint_state(last + shift_ns, position, 0.0, names or (JOINT,))
-    )
+        joint_state(last + shift_ns, position, 0.0, names or (JOINT,)))
 
 
 def empty_joint(*names: str) -> Send:
@@ -74,8 +72,7 @@ BAD = [
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
     yield from estimator_and_peer(
-        tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0
-    )
+        tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0)
 
 
 @pytest.fixture
@@ -101,8 +98,7 @@ def test_silence_makes_the_diagnostics_an_error(peer: Peer) -> None:
     peer.diagnosed(
         lambda status, _: status.level == DiagnosticStatus.ERROR
         and status.message.startswith('no wrench for'),
-        'silence',
-    )
+        'silence')
 
 
 def test_diagnostics_carry_the_figures_of_the_contract(peer: Peer) -> None:

@@ -102,8 +102,7 @@ def within_a_factor_of_two(error: float, paper: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name, estimator', [
-    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'rls'),
-])
+    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'rls')])
 def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None:
     errors = case(name, estimator).run(0)
     assert within_a_factor_of_two(errors.stiffness, PAPER[name, estimator].stiffness)
@@ -112,8 +111,7 @@ def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name, stiffness, damping', [
-    ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0),
-])
+    ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0)])
 def test_best_estimator_is_accurate_on_the_testbed(
     name: str, stiffness: float, damping: float
 ) -> None:

@@ -45,8 +45,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
     ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
-    ('time,tau_J[0],q[0]', 'joint.q0.effort joint.q0'),
-])
+    ('time,tau_J[0],q[0]', 'joint.q0.effort joint.q0')])
 def test_columns_are_found_by_the_names_of_common_logs(
     tmp_path: Path, header: str, keys: str
 ) -> None:
@@ -84,8 +83,7 @@ def test_columns_are_found_by_the_names_of_common_logs(
     '%time,field.wrench.force.x,field.pose.position.x\n'
     '1700000000000000000,1.5,0.1\n1700000000100000000,2.5,0.2\n',
     't,skin,force,tcp\n0.0,"[[1 2]\n [3 4]]","[1.5, 0.0, 0.0]","(0.1, 0.0)"\n'
-    '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n',
-])
+    '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n'])
 @pytest.mark.parametrize('encoding', ['utf-8', 'utf-16'])
 def test_text_of_any_habit_is_read(tmp_path: Path, text: str, encoding: str) -> None:
     (tmp_path / 'a.csv').write_text(text, encoding=encoding)
@@ -204,8 +202,7 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
     ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),
     ('t,F,x', {'columns': {'joint.x': 'y'}}, "joint.x=y: .*'t', 'F', 'x'"),
     ('t,F,x', {'columns': {'force': 'F'}}, "no signal 'force'; expected one of t, wrench"),
-    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other"),
-])
+    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other")])
 def test_table_that_is_not_understood_says_how_to_choose(
     tmp_path: Path, header: str, options: Any, text: str
 ) -> None:

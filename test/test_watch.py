@@ -101,8 +101,7 @@ def test_watch_writes_a_file_that_rerun_reads(
 @pytest.mark.parametrize('words, text', [
     (['--save', 'view.png'], 'let its name end in .rrd'),
     (['--axis', 'y'], '--axis needs a RECORDING'),
-    (['missing.mcap', '--save', 'view.rrd'], 'missing.mcap does not exist'),
-])
+    (['missing.mcap', '--save', 'view.rrd'], 'missing.mcap does not exist')])
 def test_wrong_use_is_refused(
     words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str]

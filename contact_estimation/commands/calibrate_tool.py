@@ -33,8 +33,7 @@ def make_parser() -> Parser:
         prog='calibrate_tool',
         description='Identify the load of the tool on a force/torque sensor from a recording of '
         'wrench and joint states: at least 12 poses of the arm in free flight, each held for 2 s, '
-        'that turn the sensor in all directions; or slow motion through them.',
-    )
+        'that turn the sensor in all directions; or slow motion through them.')
     parser.add_argument('recording', metavar='RECORDING',
                         help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT)')
     parser.add_argument('--robot-description', metavar='FILE',

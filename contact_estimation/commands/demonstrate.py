@@ -48,8 +48,7 @@ def make_parser() -> Parser:
         prog='python -m contact_estimation',
         description='Conceal an effect in the simulated plant, run the loop, diagnose the '
         'recording, run the loop again with the diagnosed effect compensated, and compare the '
-        'estimates.',
-    )
+        'estimates.')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
     parser.add_argument('--physics', metavar='FILE',
                         help='parameter file with the plant_node physics to conceal (default: '

@@ -37,8 +37,7 @@ def make_parser() -> Parser:
         prog='diagnose',
         description='Compare recordings with the model that simulates them. The verdict is '
         'consistent, recalibrate, physics missing or unexplained; missing physics are named, '
-        'fitted and tested on held-out data.',
-    )
+        'fitted and tested on held-out data.')
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='.mcap file, rosbag2 folder or table (CSV, Parquet, MAT)')
     parser.add_argument('--nominal', metavar='MODEL.yaml',

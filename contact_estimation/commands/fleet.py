@@ -34,8 +34,7 @@ def make_parser() -> Parser:
         'table.parquet, a row for each recording and contact, and index.html: which physics are '
         'missing, where and since when, wear, and robots that differ from the rest. A recording '
         'that cannot be used becomes a row with its error. An interrupted run resumes: what was '
-        'finished with the same recording, model, options and version is not repeated.',
-    )
+        'finished with the same recording, model, options and version is not repeated.')
     parser.add_argument('paths', metavar='PATH', nargs='+',
                         help='.mcap files, rosbag2 folders, folders of both, tables, or quoted '
                         'patterns')

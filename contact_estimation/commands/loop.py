@@ -35,8 +35,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='loop',
         description='Run plant, estimator and recorder as separate ROS 2 processes on this '
-        'machine, play an experiment, and write a recording and a summary.',
-    )
+        'machine, play an experiment, and write a recording and a summary.')
     parser.add_argument('--duration', type=float,
                         help='length of the run in seconds (default: one experiment)')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
@@ -51,8 +50,7 @@ def make_parser() -> Parser:
     parser.add_argument(
         '--lockstep', action='store_true',
         help='let the plant wait for the answer to each sample; the run is then the same on a '
-        'slow or busy machine, but may take longer',
-    )
+        'slow or busy machine, but may take longer')
     parser.add_argument(
         '--watch', nargs='?', const=WINDOW, metavar='web|FILE.rrd',
         help='show the run live in Rerun: in a window, on a web page, or in a file')
@@ -163,8 +161,7 @@ def _as_text(summary: Mapping[str, Any]) -> str:
         f'mean force {_number(summary["mean_force_n"], ".2f")} N over the hold, desired '
         f'{_number(summary["desired_force_n"], ".2f")} N{note and f" ({note})"}',
         f'{summary["samples_sent"]} samples at {_number(summary["rate_hz"], ".1f")} Hz, '
-        f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}',
-    ]
+        f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}']
     if summary['disturbed']:
         lines.append(_warning(summary))
     return '\n'.join(lines)

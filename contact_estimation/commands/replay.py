@@ -34,8 +34,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='replay',
         description='Estimate contact stiffness and damping from a recording. Parameters and '
-        'their changes at run time are taken from the recording where it has them.',
-    )
+        'their changes at run time are taken from the recording where it has them.')
     parser.add_argument('recording', metavar='RECORDING',
                         help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT)')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))

@@ -32,8 +32,7 @@ def make_parser() -> Parser:
         prog='simulate',
         description='Simulate a model on the command of a recording, sampled at its stamps, or '
         'on an experiment. A permanently attached wall without a robot is driven by the recorded '
-        'force.',
-    )
+        'force.')
     parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
     given.add_argument('--like', metavar='RECORDING',
@@ -48,8 +47,7 @@ def make_parser() -> Parser:
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
         help='interpolation of the recorded reference (straight or held) or of the force that '
-        'drives an attached wall (default: straight); `diagnose` reports which the data support',
-    )
+        'drives an attached wall (default: straight); `diagnose` reports which the data support')
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and what `replay` estimates from them')
     add_source_options(parser)

@@ -184,8 +184,7 @@ class _Conclusion:
             rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
             nearly='' if verdict != 'unexplained' or self._named.model.laws else nearly(
                 self._evidence, seen.compared.models),
-            compared=seen.compared,
-        )
+            compared=seen.compared)
 
     def _verdict(self, effects: Sequence[NamedEffect]) -> str:
         """Return the verdict, the one place where it is made."""

@@ -53,8 +53,7 @@ def locate(
     energy = parts[-1] if in_motion else parts[0]
     return Location(
         port, intervals(recording, energy), _phase(energy, phases(recording, model)),
-        _region(recording, model, energy), _band(recording, model, in_motion),
-    )
+        _region(recording, model, energy), _band(recording, model, in_motion))
 
 
 def guess_port(recording: PreparedRecording, model: Model) -> str:

@@ -103,8 +103,7 @@ def _sentence(
         return (
             f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
             f'experiments is to {best.words}: whatever the values, the predictions then '
-            f'differ by up to {size}. A deeper or faster contact would separate them better.'
-        )
+            f'differ by up to {size}. A deeper or faster contact would separate them better.')
     return (f'To tell {pairs}, {best.words}: whatever the values, their predictions then differ '
             f'by up to {size}.')
 

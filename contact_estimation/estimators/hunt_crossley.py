@@ -26,11 +26,9 @@ class HuntCrossleyParameters(ParameterGroup):
     """Prior and random walk of (ln K, n, chi / K)."""
 
     exponent: float = parameter(
-        1.5, 'Initial value of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0
-    )
+        1.5, 'Initial value of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0)
     exponent_std: float = parameter(
-        0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0
-    )
+        0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0)
     reference_depth: float = parameter(
         0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm', minimum=1e-7,
         maximum=10.0)
@@ -38,12 +36,10 @@ class HuntCrossleyParameters(ParameterGroup):
         3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20', minimum=1e-3,
         maximum=30.0)
     dissipation_std: float = parameter(
-        20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6
-    )
+        20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6)
     relative_walk: float = parameter(
         0.002, 'Random walk of K and chi relative to their values, and of n; larger: follows '
-        'changes faster, noisier', '1/sqrt(s)', minimum=0.0,
-    )
+        'changes faster, noisier', '1/sqrt(s)', minimum=0.0)
     depth_memory_s: float = parameter(
         0.5, 'Time constant of the mean penetration at which K_e and B_e are published', 's',
         minimum=1e-3, maximum=1e3)
@@ -92,8 +88,7 @@ class HuntCrossley(OnlineEstimator):
             (a, n, r), (aa, an, ar, nn, nr, rr) = self._x, self._P
             self._x = a + step * n, n, r
             self._P = (
-                aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr
-            )
+                aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr)
             self._set_log_depth(self._log_depth - step)
             self._depth_0 = tuning.reference_depth
 

@@ -24,19 +24,15 @@ class IndirectAdaptiveParameters(ParameterGroup):
     """Gains of eq. (25)."""
 
     stiffness_gain: float = parameter(
-        5.0e4, 'Entry of Gamma^-1 for K; larger: faster, noisier', 'N/m/(N m s)', minimum=0.0
-    )
+        5.0e4, 'Entry of Gamma^-1 for K; larger: faster, noisier', 'N/m/(N m s)', minimum=0.0)
     damping_gain: float = parameter(
-        2.5e3, 'Entry of Gamma^-1 for B; larger: faster, noisier', 'N s/m/(N m)', minimum=0.0
-    )
+        2.5e3, 'Entry of Gamma^-1 for B; larger: faster, noisier', 'N s/m/(N m)', minimum=0.0)
     normalised: bool = parameter(
         False,
         'Scale each gain by the mean square of its regressor instead: the same speed at any '
-        'stiffness',
-    )
+        'stiffness')
     adaptation_rate: float = parameter(
-        20.0, 'Decay rate of the force error when normalised', '1/s', minimum=0.0, maximum=1e3
-    )
+        20.0, 'Decay rate of the force error when normalised', '1/s', minimum=0.0, maximum=1e3)
 
 
 class IndirectAdaptive(OnlineEstimator):
@@ -134,5 +130,4 @@ class IndirectAdaptive(OnlineEstimator):
         """Return the present estimate; see `OnlineEstimator.current`."""
         P_KK, _, P_BB = self._P
         return ParameterEstimate(
-            self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan
-        )
+            self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan)

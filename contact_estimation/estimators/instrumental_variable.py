@@ -28,17 +28,14 @@ class InstrumentalVariableParameters(ParameterGroup):
         0.02,
         'Delay of the instruments: longer than 1 / conditioning.cutoff_frequency, over which '
         'filtered noise is correlated, and shorter than the time scale of the motion',
-        's', minimum=0.0, maximum=1.0,
-    )
+        's', minimum=0.0, maximum=1.0)
     memory_s: float = parameter(
         2.0, 'Time constant of forgetting; larger: smoother, slower', 's', minimum=1e-3,
         maximum=1e6)
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
-    )
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12)
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
-    )
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12)
 
 
 class InstrumentalVariable(OnlineEstimator):

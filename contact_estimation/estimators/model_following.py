@@ -22,8 +22,7 @@ class ModelFollowingParameters(ParameterGroup):
     target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
     arm_mass: float = parameter(50.0, 'Initial value of the mass of the arm', 'kg', minimum=1e-3)
     arm_damping: float = parameter(
-        200.0, 'Initial value of the damping of the arm', 'N s/m', minimum=1e-3
-    )
+        200.0, 'Initial value of the damping of the arm', 'N s/m', minimum=1e-3)
     arm_range: float = parameter(
         4.0, 'Mass and damping of the arm are limited to this factor of their initial values', '',
         minimum=1.0)

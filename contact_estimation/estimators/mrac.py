@@ -28,15 +28,12 @@ class ModelReferenceParameters(ParameterGroup):
     """Tuning of the environment estimator and of the controller of the arm."""
 
     stiffness_gain: float = parameter(
-        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0
-    )
+        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0)
     damping_gain: float = parameter(
-        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0
-    )
+        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0)
     memory_s: float = parameter(
         1.0, 'Time over which eq. (25) is averaged; 0: eq. (25) as published, which '
-        'without excitation keeps the error of B from touch-down', 's', minimum=0.0, maximum=60.0,
-    )
+        'without excitation keeps the error of B from touch-down', 's', minimum=0.0, maximum=60.0)
     control: ModelFollowingParameters = group(ModelFollowingParameters)
 
 

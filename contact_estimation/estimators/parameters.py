@@ -23,8 +23,7 @@ class EnvironmentParameters(ParameterGroup):
         0.002,
         'Standard deviation of location. A surface up to 3 of them away is found from the offset '
         'of the force against position where the contact shows it; 0: location is exact',
-        'm', minimum=0.0, maximum=1.0,
-    )
+        'm', minimum=0.0, maximum=1.0)
     initial_stiffness: float = parameter(
         3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
         minimum=1e-3, maximum=1e9)
@@ -32,8 +31,7 @@ class EnvironmentParameters(ParameterGroup):
     minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
     maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
     maximum_damping: float = parameter(
-        1e6, 'Upper limit of B_hat; the lower is 0', 'N s/m', minimum=1.0
-    )
+        1e6, 'Upper limit of B_hat; the lower is 0', 'N s/m', minimum=1.0)
 
     def __post_init__(self) -> None:
         """Check that the lower limit is below the upper."""
@@ -41,8 +39,7 @@ class EnvironmentParameters(ParameterGroup):
         if self.minimum_stiffness > self.maximum_stiffness:
             raise ParameterRangeError(
                 'environment.minimum_stiffness must be <= environment.maximum_stiffness '
-                f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
-            )
+                f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}')
 
     @cached_property
     def limits(self) -> tuple[float, float, float]:
@@ -58,8 +55,7 @@ class ExcitationParameters(ParameterGroup):
         0.2,
         'A parameter is frozen while the last second alone would leave it with a relative '
         'standard deviation above this; large: never frozen',
-        minimum=1e-4,
-    )
+        minimum=1e-4)
 
 
 @dataclass(frozen=True)
@@ -70,8 +66,7 @@ class TrackingParameters(ParameterGroup):
         True,
         'Reopen the estimate where the wall has changed, and at every new contact, which '
         'starts with K_hat and B_hat as a prior, and follow its surface; false: as the estimator '
-        'alone follows, at the configured surface',
-    )
+        'alone follows, at the configured surface')
     carried_std: float = parameter(
         1.0, 'Standard deviation of K_hat and B_hat, relative to them, at a new contact',
         minimum=1e-3, maximum=100.0)

@@ -21,20 +21,17 @@ class RecursiveLeastSquaresParameters(ParameterGroup):
     """Start and forgetting of eqs. (36) to (38)."""
 
     forgetting_factor: float = parameter(
-        0.98, 'lambda per sample; nearer to 1: smoother, slower', minimum=0.5, maximum=1.0
-    )
+        0.98, 'lambda per sample; nearer to 1: smoother, slower', minimum=0.5, maximum=1.0)
     initial_covariance: float = parameter(
         1e10,
         'Diagonal of P[0] in the coordinates A, B, C of eq. (31). The 1e5 of the paper is a '
         'narrow prior of B_e and M_e: the standard deviations of a first touch are far too small',
-        minimum=1e-12, maximum=1e20,
-    )
+        minimum=1e-12, maximum=1e20)
     estimate_inertia: bool = parameter(True, 'Estimate M_e too; false: M_e = 0')
     maximum_relative_std: float = parameter(
         0.1,
         'A parameter is not forgotten while its standard deviation exceeds this share of it, '
-        'which prevents covariance wind-up', minimum=1e-4,
-    )
+        'which prevents covariance wind-up', minimum=1e-4)
 
 
 class RecursiveLeastSquares(OnlineEstimator):

@@ -76,8 +76,7 @@ def step_response(recording: ContactRecording) -> tuple[NDArray[np.float64], NDA
     if len(force) - begin < FFT_POINTS:
         raise EstimationError(
             f'signal processing needs {FFT_POINTS} samples after a step of the force, got '
-            f'{len(force) - begin}; record longer, or check the sign of the force'
-        )
+            f'{len(force) - begin}; record longer, or check the sign of the force')
     return recording.t[begin:] - recording.t[begin], force[begin:]
 
 

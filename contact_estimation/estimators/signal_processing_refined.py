@@ -47,8 +47,7 @@ class SignalProcessingRefined(OfflineEstimator):
         if not w_d > 2.0 * pi / float(t[-1]) or not decay > 0.0:
             raise EstimationError(
                 'signal processing needs an under-damped step response, got one without '
-                'oscillation; choose a softer or less damped target impedance'
-            )
+                'oscillation; choose a softer or less damped target impedance')
         w_n = sqrt(w_d**2 + decay**2)
         K_e, B_e = environment_of(w_n, decay / w_n, self._target)
         return OfflineEstimate(K_e, B_e, *self._spread(t, force, w_d, decay))
@@ -94,8 +93,7 @@ def decomposition(
     """
     envelope = np.exp(-abs(decay) * t)
     basis = np.column_stack(
-        [np.ones_like(t), envelope * np.cos(w_d * t), envelope * np.sin(w_d * t)]
-    )
+        [np.ones_like(t), envelope * np.cos(w_d * t), envelope * np.sin(w_d * t)])
     return basis, np.linalg.lstsq(basis, force, rcond=None)[0]
 
 

@@ -212,5 +212,4 @@ def matrices(estimate: MatrixEstimate) -> Array:
 def principal_table(estimate: MatrixEstimate) -> Array:
     """Return the array of `~/principal_stiffness`, shape (3, 6), as in PRINCIPAL_LABELS."""
     return np.column_stack([
-        estimate.principal, estimate.principal_std, estimate.directions, estimate.direction_std,
-    ])
+        estimate.principal, estimate.principal_std, estimate.directions, estimate.direction_std])

@@ -122,8 +122,7 @@ def prepare_changes(fleet: Fleet) -> dict[str, Any] | None:
         'changes': [
             {'change': change, 'family': words(change.family), 'start': start_of(change.entry),
              'chance': probability(change.chance)}
-            for change in fleet.changes
-        ],
+            for change in fleet.changes],
         'figure': plot_names(fleet.entries),
     }
 
@@ -235,13 +234,11 @@ def prepare_summary(fleet: Fleet) -> dict[str, Any]:
         f'{"appears" if _rises(change.before, change.after) else "disappears"} from recording '
         f'{change.number} of the group on (number {change.entry.number} of all, '
         f'{change.entry.name})'
-        for change in fleet.changes
-    ]
+        for change in fleet.changes]
     findings += [_of_trend(trend) for trend in trends(fleet.entries) if trend.significant]
     findings += [
         f'{group} differs from the other groups in {", ".join(what)}'
-        for group, what in _different(fleet).items()
-    ]
+        for group, what in _different(fleet).items()]
     return {
         'recordings': len(fleet.entries), 'failed': len(fleet.failed),
         'refused': sum(entry.outcome['report'] is not None and entry.report is None

@@ -222,8 +222,7 @@ def _base_parameters(report: dict[str, Any]) -> dict[str, float | None]:
         name: value for which in ('stiffness', 'damping') for name, value in (
             (f'corrected_{which}', corrected[which]['value']),
             (f'corrected_{which}_std', corrected[which]['std']),
-            (f'recalibrated_{which}', recalibrated[which]),
-        )
+            (f'recalibrated_{which}', recalibrated[which]))
     }
 
 
@@ -242,5 +241,4 @@ def _schema(pyarrow: Any) -> Any:
     return pyarrow.schema([
         pyarrow.field(column.name, kinds[column.kind],
                       metadata={'unit': column.unit, 'meaning': column.meaning})
-        for column in COLUMNS
-    ])
+        for column in COLUMNS])

@@ -177,6 +177,5 @@ def unit_normal(contact: ContactParameters) -> Array:
         raise ParameterRangeError(
             'contact.normal must be a direction of three numbers, into the wall, for an arm '
             f'(kinematics.tip is set), got {list(contact.normal)}; such as [0.0, 0.0, -1.0] for '
-            'a table below, with contact.normal_frame base'
-        )
+            'a table below, with contact.normal_frame base')
     return np.array(contact.normal) / length

@@ -115,8 +115,7 @@ def matrix_of(pose: Pose) -> NDArray[np.float64]:
     return np.array([
         [1.0 - 2.0 * (b * b + c * c), 2.0 * (a * b - c * d), 2.0 * (a * c + b * d)],
         [2.0 * (a * b + c * d), 1.0 - 2.0 * (a * a + c * c), 2.0 * (b * c - a * d)],
-        [2.0 * (a * c - b * d), 2.0 * (b * c + a * d), 1.0 - 2.0 * (a * a + b * b)],
-    ])
+        [2.0 * (a * c - b * d), 2.0 * (b * c + a * d), 1.0 - 2.0 * (a * a + b * b)]])
 
 
 class Step(NamedTuple):

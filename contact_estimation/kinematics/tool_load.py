@@ -81,8 +81,7 @@ def load_regressor(f: Array, w: Array | None = None, alpha: Array | None = None)
 def load_vector(tool: ToolParameters) -> Array:
     """Return (m, m c, b_F, b_T), shape (10,), of the parameters."""
     return np.concatenate((
-        [tool.mass], tool.mass * np.asarray(tool.centre), tool.force_bias, tool.torque_bias
-    ))
+        [tool.mass], tool.mass * np.asarray(tool.centre), tool.force_bias, tool.torque_bias))
 
 
 def load_map(tool: ToolParameters) -> tuple[Array, Array]:

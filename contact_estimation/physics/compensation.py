@@ -157,8 +157,7 @@ class Compensation:
         forces = self._forces
         f_0, f_1, f_2 = (forces[k] for k in (0, len(forces) // 2, -1))
         R, _, travel, v, column, slope = (
-            0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7])
-        )
+            0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7]))
         rest = 0.25 * (f_0 + f_1 + f_1 + f_2) - R - last.inertial_force - tool
         hindrance = last.hindrance or hindrance or middle.hindrance or first.hindrance
         if not hindrance and len(terms) < 3:

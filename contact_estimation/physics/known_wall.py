@@ -211,8 +211,7 @@ class KnownWall:
         c = self._touched
         values = (c * R, inertial, c * travel, c * v if v == v else 0.0, c * column, c * slope)
         R, inertial, travel, rate, column, slope = (
-            memory(now.t, now.dt, value) for memory, value in zip(self._memories, values)
-        )
+            memory(now.t, now.dt, value) for memory, value in zip(self._memories, values))
         return WallTerms(depth, R, inertial, travel, rate if v == v else v, column, slope,
                          '' if hindrance is IN_PLAY else hindrance)
 

@@ -164,5 +164,4 @@ def require_control(session: ContactSession) -> None:
     if isnan(session.pipeline.control_force):
         raise ParameterRangeError(
             'robot.control force needs an estimator that computes a control force: expected mrac, '
-            f'got {session.parameters.estimator}; use it, or robot.control impedance'
-        )
+            f'got {session.parameters.estimator}; use it, or robot.control impedance')

@@ -114,8 +114,7 @@ class World:
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()
         self._law = ContactLaw(
-            wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects
-        )
+            wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects)
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
         law = self._robot

@@ -167,10 +167,8 @@ class Experiment:
         rests = [
             (begin, begin + segment.duration)
             for begin, segment, before in zip(
-                self._begins, self.segments, (self.start, *(s.position for s in self.segments))
-            )
-            if segment.force == segment.force and segment.position == before
-        ]
+                self._begins, self.segments, (self.start, *(s.position for s in self.segments)))
+            if segment.force == segment.force and segment.position == before]
         return max(rests, key=lambda r: r[1] - r[0], default=None)
 
     @property

@@ -55,8 +55,7 @@ class RawSubscriptions:
         if dedicated and not HAS_WAIT_SET:
             node.get_logger().warning(
                 'this rclpy has no WaitSet to use directly; data is served by the executor, at '
-                'several times the CPU load'
-            )
+                'several times the CPU load')
         self._group = _NeverByExecutor() if self.dedicated else None
         # Replaced, never changed: another thread may be going through them.
         self._waking: list[tuple[Any, Callback]] = []

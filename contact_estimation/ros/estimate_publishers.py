@@ -44,8 +44,7 @@ class EstimatePublishers:
             for name in (*_ALWAYS, *_ON_DEMAND)
         }
         self._publishers['model_fit'] = node.create_publisher(
-            message_class(FLOAT64), '~/model_fit', OUTPUT_QOS
-        )
+            message_class(FLOAT64), '~/model_fit', OUTPUT_QOS)
         self._reference = node.create_publisher(
             message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS, qos_overriding_options=overridable())
         self._status = node.create_publisher(
@@ -93,8 +92,7 @@ class EstimatePublishers:
         if reference is not None:
             # Published first: the robot waits for it.
             self._reference.publish(
-                self._trajectories.encode(result.reference_stamp_ns, *reference)
-            )
+                self._trajectories.encode(result.reference_stamp_ns, *reference))
         encode, places = self._vectors.encode, self._places
         for publisher, get in self._wanted:
             vector = [nan, nan, nan]
@@ -120,8 +118,7 @@ class EstimatePublishers:
             return estimate.reason
         others = ', '.join(
             f'{axis} {other.status.value}' + (f' ({other.reason})' if other.reason else '')
-            for axis, other in zip(self._further_axes, further)
-        )
+            for axis, other in zip(self._further_axes, further))
         return f'{estimate.reason}; {others}' if estimate.reason else others
 
     def publish_status(self, status: str, reason: str) -> None:

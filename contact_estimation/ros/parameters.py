@@ -69,8 +69,7 @@ def serve_changes(
 
     numbers = {spec.name for spec in known if isinstance(spec.default, (float, tuple))}
     node.add_pre_set_parameters_callback(
-        lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters]
-    )
+        lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters])
     node.add_on_set_parameters_callback(on_set)
 
 

@@ -129,8 +129,7 @@ class RecorderNode(Node):
         if not own.output:
             raise ParameterRangeError(
                 'output must name a folder to be made, got an empty text; set it with '
-                '--ros-args -p output:=FOLDER'
-            )
+                '--ros-args -p output:=FOLDER')
         self._writer = RecordingWriter.folder(own.output)
         self._data = RawSubscriptions(self)
         self._thread = DataThread(self._data, self._failed)

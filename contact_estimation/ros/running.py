@@ -172,8 +172,7 @@ def help_text(purpose: str, known: Iterable[ParameterSpecification], topic: str 
         f'usage: {purpose.partition(":")[0]} [--ros-args -p NAME:=VALUE --params-file FILE'
         f'{remapping} ...]',
         '',
-        'parameters:',
-    ]
+        'parameters:']
     for spec in known:
         lines.append(f'  {spec.name} = {value_text(spec.default)}: {spec.expectation}')
         lines.append(f'      {spec.description}')

@@ -86,8 +86,7 @@ def make_parser() -> Parser:
         description='Measure on-line estimation with default parameters in simulated worlds whose '
         'motions, walls and sensors share nothing with the plant of this package. Prints a '
         'Markdown table: median / 90 % of errors, and how often the truth is within 2 standard '
-        'deviations.',
-    )
+        'deviations.')
     parser.add_argument('--only', nargs='+', metavar='ROW', choices=tuple(ROWS),
                         help=f'any of {", ".join(ROWS)} (all)')
     parser.add_argument('--estimators', nargs='*', metavar='NAME', choices=tuple(CANDIDATES),

@@ -32,8 +32,7 @@ def plot_figures(folder: Path) -> list[Path]:
         _simulated(pyplot, 6, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
         *_signal_processing(pyplot, folder),
         _simulated(pyplot, 9, 'simulation_none', folder / 'figure_09_without_excitation.png'),
-        *_testbed_figures(pyplot, folder),
-    ]
+        *_testbed_figures(pyplot, folder)]
 
 
 def _testbed_figures(pyplot: Any, folder: Path) -> list[Path]:
@@ -49,8 +48,7 @@ def _testbed_figures(pyplot: Any, folder: Path) -> list[Path]:
         _measured(pyplot, 15, prbs, folder / 'figure_15_testbed_prbs.png'),
         _measured(pyplot, 16, prbs_long, folder / 'figure_16_testbed_prbs_long.png'),
         _measured(pyplot, 17, none, folder / 'figure_17_testbed_none.png'),
-        _testbed_signal_processing(pyplot, folder / 'testbed_signal_processing.png'),
-    ]
+        _testbed_signal_processing(pyplot, folder / 'testbed_signal_processing.png')]
 
 
 def _cases(name: str) -> list[Case]:

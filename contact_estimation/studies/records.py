@@ -144,8 +144,7 @@ def make_parser() -> Parser:
         'names, held-out errors and processor time as a Markdown table. NAME.truth.json, where it '
         'exists, says which names are right (acceptable_names, effects or families); a name '
         'counts by its family. A NAME with "train" is tested on the recording with "pulses" in '
-        'its place, if there is one, other records on a part of their own.',
-    )
+        'its place, if there is one, other records on a part of their own.')
     parser.add_argument('folder', metavar='FOLDER', help='folder of the records')
     parser.add_argument('--output', metavar='FILE.md', help='write the table')
     parser.add_argument('--jobs', type=int, default=1,

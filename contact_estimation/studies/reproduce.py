@@ -69,18 +69,15 @@ def as_text(rows: list[dict[str, Any]]) -> str:
     """Format the table."""
     lines = [
         f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
-        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]'
-    ]
+        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]']
     for row in rows:
         pairs = [
             _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
-            for kind in ('error', 'rms', 'average', 'bound')
-        ]
+            for kind in ('error', 'rms', 'average', 'bound')]
         paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
         lines.append(
             f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
-            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'
-        )
+            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}')
     return '\n'.join(lines)
 
 
@@ -96,8 +93,7 @@ def make_parser() -> Parser:
         prog='reproduce',
         description="Run the paper's cases, in simulation and on a virtual testbed, and print the "
         'errors at the last instant of contact with the Cramer-Rao bounds and the errors printed '
-        'in the paper.',
-    )
+        'in the paper.')
     parser.add_argument(
         '--seeds', type=int, default=20,
         help='runs of each case (20); at most 10 on the testbed, as in the paper')

@@ -207,8 +207,7 @@ class PlanarArm:
             (
                 t1 - t2 - h12 * q2 - h13 * q3 - force_x * l1 * s1,
                 t2 - t3 - h23 * q3 + h12 * q1 - force_x * l2 * s2,
-                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3),
-        )
+                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3))
 
     def joint_friction(self, rates: Triple, dry: float = 1.0, viscous: float = 1.0) -> Triple:
         """Compute the friction of the gears, of which shares are dry and viscous [N m]."""
@@ -238,8 +237,7 @@ class PlanarArm:
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return (
             (-l1 * sin(a1), -l2 * sin(a2), -l3 * sin(a3)),
-            (l1 * cos(a1), l2 * cos(a2), l3 * cos(a3)),
-        )
+            (l1 * cos(a1), l2 * cos(a2), l3 * cos(a3)))
 
     def angles_at(self, x: float, y: float, angle: float) -> Triple:
         """Solve the inverse kinematics for link angles [rad], elbow up."""
@@ -294,8 +292,7 @@ class ImpedanceController:
             p.lateral_damping * tip.y_dot + p.lateral_stiffness * (tip.y - arm.tip_y)
         ) / p.lateral_mass
         a_3 = -p.angular_rate * (
-            2.0 * tip.angle_dot + p.angular_rate * (tip.angle - arm.tip_angle)
-        )
+            2.0 * tip.angle_dot + p.angular_rate * (tip.angle - arm.tip_angle))
         (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, arm.lengths
         c1, s1, c2, s2, c3, s3 = cos(a1), sin(a1), cos(a2), sin(a2), cos(a3), sin(a3)
         # x'' = -sum l (s a'' + c w^2), y'' = sum l (c a'' - s w^2)

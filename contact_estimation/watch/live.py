@@ -166,8 +166,7 @@ def readings_of(parameters: EstimationParameters, description: str = '') -> Read
     if parameters.pose_source == 'tf':
         raise ParameterRangeError(
             'the live view reads the motion of an arm from its joint states, but pose_source is '
-            'tf; watch a recording of it (watch RECORDING), or set pose_source to joints'
-        )
+            'tf; watch a recording of it (watch RECORDING), or set pose_source to joints')
     text = description or described_in_file(parameters)
     return ArmReadings(kinematics_of(parameters, text)) if text else None
 
@@ -215,16 +214,14 @@ class LiveContact:
             Subscription(f'{own}/damping', VECTOR, self._on_estimate('damping')),
             Subscription('/diagnostics', DIAGNOSTICS_TYPE, self._on_diagnostics),
             Subscription(f'{own}/status', TEXT, self._on_status, latched=True),
-            Subscription(f'{own}/events', TEXT, self._on_event, latched=True),
-        ]
+            Subscription(f'{own}/events', TEXT, self._on_event, latched=True)]
         if self._sparing:
             return needed
         return [
             *needed,
             Subscription(f'{own}/stiffness_std', VECTOR, self._on_std('stiffness')),
             Subscription(f'{own}/damping_std', VECTOR, self._on_std('damping')),
-            Subscription(f'{own}/model_fit', FLOAT, self._on_fit),
-        ]
+            Subscription(f'{own}/model_fit', FLOAT, self._on_fit)]
 
     # -- topics -----------------------------------------------------------------------------
 

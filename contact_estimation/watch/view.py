@@ -114,13 +114,11 @@ def blueprint(follow_s: float | None = None) -> Any:
             *plots,
             rrb.Horizontal(_text_view(rrb, STATUS, 'status of the estimator'),
                            _text_view(rrb, CHECKS, 'checks'), column_shares=[1.0, 2.0]),
-            row_shares=[*(_SHARES.get(plot, 1.0) for plot in PLOTS), 1.0],
-        ),
+            row_shares=[*(_SHARES.get(plot, 1.0) for plot in PLOTS), 1.0]),
         rrb.BlueprintPanel(state='collapsed'),
         rrb.SelectionPanel(state='collapsed'),
         rrb.TimePanel(state='collapsed'),
-        auto_layout=False, auto_views=False,
-    )
+        auto_layout=False, auto_views=False)
 
 
 def _plot_view(rrb: Any, plot: str, follow_s: float | None) -> Any:

@@ -75,8 +75,7 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
             not (effort & moves).any()),
         Check('velocity', True, (
             f'{", ".join(slow)} publish no velocity: ' if slow else '')
-            + 'velocities are derived from positions'),
-    ]
+            + 'velocities are derived from positions')]
 
 
 def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> Check:

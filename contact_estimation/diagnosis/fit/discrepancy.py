@@ -69,8 +69,7 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         residuals(recording, model.with_effect(name, _scaled(values, o.pace if time else 1.0)),
                   robust=False) - here
         for name, values, time in UNCERTAINTIES
-        if name not in model.effects and (robot or name == 'force_delay')
-    ]
+        if name not in model.effects and (robot or name == 'force_delay')]
     if robot:
         responses = (_held_acceleration(recording, model), *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]

@@ -96,8 +96,7 @@ def free_run(model: Model, observed: Observed) -> Run:
     if o.reference is None:
         return Run(_free_wall(model, o), o.force)
     parameters = replace(
-        plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h,
-    )
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h)
     v = float(o.v[0]) if o.starts_moving else 0.0
     truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]), v, begin=float(o.t[0]))
     return Run(np.array([truth.position for truth in truths]),

@@ -54,8 +54,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
         depth, speed, force, control, pull, duration, max(model.stiffness, _LEAST),
         max(model.damping, _LEAST), laws.robot.mass, spectrum,
         min(recording.observed.h for recording in recordings), beat,
-        any(recording.driven_by_force(model) for recording in recordings),
-    )
+        any(recording.driven_by_force(model) for recording in recordings))
 
 
 def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:

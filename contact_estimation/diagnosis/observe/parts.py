@@ -213,8 +213,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
         raise RecordingError(
             f'{name} has no contact of {_LEAST_SAMPLES} samples or more: expected x '
             f'beyond {location:g} m (environment.location), got at most '
-            f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model'
-        )
+            f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model')
 
 
 def hold_out(model: Model, observed: Observed) -> HeldOut:

@@ -87,8 +87,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
         Comparison('force [N]', o.force, {name: o.force - e for name, e in force.items()}),
         position, o.t[0] + o.h * recording.block * (0.5 + blocks), residuals,
         _plane(recording, models[pair[-1]], shown, in_motion),
-        _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis),
-    )
+        _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis))
 
 
 def _force_residuals(

@@ -43,8 +43,7 @@ def _effect(effect: NamedEffect) -> list[str]:
         f'probability {effect.probability:.3f}',
         f'  {effect.equation}',
         f'  {values}',
-        f'  {share_of(effect)}',
-    ]
+        f'  {share_of(effect)}']
     if len(effect.parts) > 1:
         lines.append(f'  fitted on each of {len(effect.parts)} parts alone: {_ranges(effect)}')
     lines.append(f'  visible {place_of(effect.location)}')

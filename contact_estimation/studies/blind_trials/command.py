@@ -88,8 +88,7 @@ def make_parser() -> Parser:
         '--foreign and --unknown draw rigs with the small nuisances of a laboratory and laws that '
         "are not the library's, scored by family. An "
         'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
-        'same folder; delete the subfolder reports to repeat the diagnoses.',
-    )
+        'same folder; delete the subfolder reports to repeat the diagnoses.')
     parser.add_argument('--count', type=int, default=0, help='trials with an effect (0)')
     parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
     parser.add_argument('--unknown', type=int, default=0,

@@ -85,8 +85,7 @@ def _nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nui
         force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
         force * rng.uniform(0.0, 0.003), rng.choice([50.0, 60.0]) * rng.uniform(0.998, 1.002),
         noise * rng.uniform(0.2, 0.7), log_uniform(rng, 0.3, 10.0),
-        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006),
-    )
+        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006))
     return Nuisances(*(digits(value, 4) for value in drawn))
 
 

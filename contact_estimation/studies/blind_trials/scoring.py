@@ -99,8 +99,7 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
         parameter_errors=_parameter_errors(truth, first) if first else {},
         stiffness_error=_percent(report, 'stiffness', truth),
         damping_error=_percent(report, 'damping', truth),
-        error=str(answer['error']), seconds=float(answer['seconds']),
-    )
+        error=str(answer['error']), seconds=float(answer['seconds']))
 
 
 def acceptable_names(truth: Mapping[str, Any]) -> set[str]:

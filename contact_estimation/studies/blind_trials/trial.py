@@ -171,13 +171,11 @@ def _write_recording(
         (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
          lambda stamp, motion: joint.encode(stamp, *motion)),
         (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
-         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
-    )
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)))
     messages = [
         (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
         for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
-        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
-    ]
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())]
     messages.sort(key=lambda message: message[0])
     with RecordingWriter.file(path) as writer:
         for stamp, topic, type_name, data in messages:
