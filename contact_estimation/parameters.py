@@ -7,8 +7,6 @@ Declaration of parameters: the dataclass field holds default, unit, range and me
 Groups of parameters are converted to dotted names and back, as ROS and parameter files use them.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math
@@ -186,7 +184,7 @@ def optional_parameter(
     return dataclasses.field(default=math.nan, metadata={**declared.metadata, **search})
 
 
-def group(cls: type[ParameterGroup], description: str = '') -> Any:
+def group(cls: 'type[ParameterGroup]', description: str = '') -> Any:
     """Declare a nested group of parameters, with the defaults of its class, as a field."""
     return dataclasses.field(
         default_factory=cls, metadata={'group': cls, 'description': description})

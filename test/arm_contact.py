@@ -3,8 +3,6 @@
 
 """A small arm: kinematics by hand-written transforms, and messages as it presses on a wall."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any, NamedTuple, Sequence
 

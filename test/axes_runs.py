@@ -3,8 +3,6 @@
 
 """Samples of three axes at once: three walls, touched at different times."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from contact_estimation.parameters import build

@@ -3,8 +3,6 @@
 
 """Short noisy recordings of worlds with concealed physics, some of it outside the library."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi, sin

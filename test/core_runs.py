@@ -3,8 +3,6 @@
 
 """Closed-loop runs and synthetic samples that several test files share, and rows one at a time."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import nan
 from typing import Any, Mapping, NamedTuple, Sequence

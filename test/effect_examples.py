@@ -3,8 +3,6 @@
 
 """Every effect with parameters of a plausible size, for the tests over all of them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.physics import EFFECTS

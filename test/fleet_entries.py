@@ -3,8 +3,6 @@
 
 """Recordings of a fleet with results made up: what statistics and page of the fleet look at."""
 
-from __future__ import annotations
-
 from typing import Any, Sequence
 
 from contact_estimation.fleet.table import Entry, in_time

@@ -3,8 +3,6 @@
 
 """Recordings written by the package mcap, and what is read of them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Sequence
 

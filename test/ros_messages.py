@@ -9,8 +9,6 @@ need are imported from here, therefore.
 
 """
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any, Iterable, Sequence
 

@@ -8,8 +8,6 @@ Importing this module skips a test module where there is no ROS.
 
 """
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 import time

@@ -10,8 +10,6 @@ machine does not reach.
 
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 import os
 from pathlib import Path

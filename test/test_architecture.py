@@ -3,8 +3,6 @@
 
 """The order of packages, what importing loads, and what one new file and one line do."""
 
-from __future__ import annotations
-
 import ast
 from functools import lru_cache
 import json

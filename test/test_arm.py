@@ -3,8 +3,6 @@
 
 """Contact of an arm: x, v and F_e along the normal, and the stiffness that follows."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import nan
 from typing import Any, Mapping

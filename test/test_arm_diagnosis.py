@@ -3,8 +3,6 @@
 
 """What the diagnosis of a whole arm names, on a small arm whose physics is known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path

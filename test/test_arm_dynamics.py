@@ -3,8 +3,6 @@
 
 """The dynamics of arms, against closed forms and MuJoCo."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

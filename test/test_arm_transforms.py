@@ -3,8 +3,6 @@
 
 """Frames by tf: read, and for an arm."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import struct

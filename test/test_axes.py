@@ -3,8 +3,6 @@
 
 """Several axes: estimated beside each other, as full matrices, and replayed."""
 
-from __future__ import annotations
-
 from itertools import chain
 import json
 from math import nan

@@ -3,8 +3,6 @@
 
 """Blind trials: worlds, rigs, scores and studies."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 
 """The load of a tool: calibrated, and taken out of the wrench."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

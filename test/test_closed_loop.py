@@ -3,8 +3,6 @@
 
 """The paper's benchmark in the closed loop, and stiff walls in it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus

@@ -3,8 +3,6 @@
 
 """The evidence for models, against the integrals that it stands for, and what follows from it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, log
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Known extra physics: estimators that compensate an effect find K_e and B_e."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

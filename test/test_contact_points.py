@@ -8,8 +8,6 @@ A tool with a front and a rear foot and a nose goes down on a floor, slides to a
 and leaves them.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import cos, hypot, pi, sin, tanh
 from typing import Any, Sequence

@@ -3,8 +3,6 @@
 
 """The session: samples paired by stamp, and what becomes of them."""
 
-from __future__ import annotations
-
 from math import inf, isfinite, nan
 from typing import Any, Iterable
 

@@ -3,8 +3,6 @@
 
 """The status of the contact, and latched steps."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import inf, nan
 

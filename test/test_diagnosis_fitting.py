@@ -3,8 +3,6 @@
 
 """Fits, parts that are held out, and repetition."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded

@@ -3,8 +3,6 @@
 
 """The report of a diagnosis: JSON, text, figures and page."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from html.parser import HTMLParser
 import json

@@ -3,8 +3,6 @@
 
 """What a diagnosis observes: clocks, noise and residuals."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import floor, pi
 import re

@@ -3,8 +3,6 @@
 
 """Exported contacts: MuJoCo and Drake compute our force; other formats hold what they say."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 from xml.etree import ElementTree

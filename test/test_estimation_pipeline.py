@@ -3,8 +3,6 @@
 
 """The pipeline: learns in contact alone, deterministic, changed live, conditions well."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.estimators import ESTIMATORS

@@ -3,8 +3,6 @@
 
 """Contracts of all estimators, the Kalman filter, and the refined signal processing."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import product
 from math import isfinite

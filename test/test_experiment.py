@@ -3,8 +3,6 @@
 
 """Experiments: played, and proposed next."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from math import sin

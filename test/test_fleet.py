@@ -3,8 +3,6 @@
 
 """An archive: discovered, run, resumed, and its findings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import nan

@@ -3,8 +3,6 @@
 
 """Recordings of others: foreign types, hostile files, ordinary bags."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import os
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Each common mistake is named with its remedy, and no confident estimate is given beside it."""
 
-from __future__ import annotations
-
 from math import isfinite, isnan, nan
 import re
 from typing import Any, Callable, Sequence

@@ -3,8 +3,6 @@
 
 """Remedies of an arm, rejected messages and stamps, and checks that never raise."""
 
-from __future__ import annotations
-
 from collections import Counter
 from math import degrees, inf, nan
 from types import SimpleNamespace

@@ -3,8 +3,6 @@
 
 """Force without a force sensor: the wrench at the contact from the torques of the joints."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import json
 from pathlib import Path

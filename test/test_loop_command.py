@@ -3,8 +3,6 @@
 
 """The command `loop`, and its summary."""
 
-from __future__ import annotations
-
 import json
 from math import sin
 from pathlib import Path

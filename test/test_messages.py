@@ -3,8 +3,6 @@
 
 """Messages are written as rosbags and rclpy write them, and read back whatever their structure."""
 
-from __future__ import annotations
-
 from itertools import product
 import math
 from typing import Any, Callable

@@ -3,8 +3,6 @@
 
 """Parameters: declared once, read from files, generated as configuration, and launched."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Effects: their laws against formulas, and their contract."""
 
-from __future__ import annotations
-
 import dataclasses
 from functools import lru_cache
 import math

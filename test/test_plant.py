@@ -3,8 +3,6 @@
 
 """The plant: world, driven wall, and the laws of effects in it."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 from typing import Any, Callable
 

@@ -3,8 +3,6 @@
 
 """Recordings are read whole, damaged, and by rosbags."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess

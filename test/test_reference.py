@@ -3,8 +3,6 @@
 
 """The reference: its laws, its safety whatever comes, and under storms of messages."""
 
-from __future__ import annotations
-
 from math import inf, isfinite, nan, ulp
 from typing import Any, Callable
 

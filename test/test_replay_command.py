@@ -3,8 +3,6 @@
 
 """The command replay: its output files, and one line on stderr for unreadable input."""
 
-from __future__ import annotations
-
 import json
 from math import isnan
 from pathlib import Path

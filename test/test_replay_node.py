@@ -3,8 +3,6 @@
 
 """Replay gives what the node has published, to the bit, whatever was done to the node."""
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 import signal

@@ -3,8 +3,6 @@
 
 """Recursive least squares, with adaptive forgetting, and with instruments."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any
 

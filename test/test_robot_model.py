@@ -3,8 +3,6 @@
 
 """Kinematics of a description, and arms in recordings."""
 
-from __future__ import annotations
-
 import json
 from math import nan
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Bad input: the node survives, goes on, and counts what it could not use."""
 
-from __future__ import annotations
-
 from math import inf, nan
 from typing import Any, Callable, Iterator
 

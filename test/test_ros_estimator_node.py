@@ -3,8 +3,6 @@
 
 """What the running node publishes for what it gets."""
 
-from __future__ import annotations
-
 from math import isnan
 from typing import Iterator
 

@@ -3,8 +3,6 @@
 
 """Publishers, nodes and signals: what a node says of its surroundings and its end."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 
 """The managed node, and topics published only while somebody subscribes."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 import time

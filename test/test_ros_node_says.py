@@ -3,8 +3,6 @@
 
 """What the estimator node says of itself: log, diagnostics, latched status, quality of service."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import signal
 from typing import Any, Iterator

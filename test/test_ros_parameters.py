@@ -3,8 +3,6 @@
 
 """The parameter services of the running node, over all parameters that the dataclasses have."""
 
-from __future__ import annotations
-
 from math import isfinite, isnan, nan
 from typing import Any, Iterator
 

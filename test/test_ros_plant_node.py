@@ -3,8 +3,6 @@
 
 """The plant node, and the recorder."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import signal

@@ -3,8 +3,6 @@
 
 """Simulated time, and what only a fresh node of its own can show."""
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 
 """Starting wrongly ends with exit code 1 and one line on stderr; --help explains."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

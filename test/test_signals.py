@@ -3,8 +3,6 @@
 
 """Signals before estimation: filter bank, outliers, smoothing, samples and relations."""
 
-from __future__ import annotations
-
 from math import nan
 
 from contact_estimation.estimators import ESTIMATORS

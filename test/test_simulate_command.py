@@ -3,8 +3,6 @@
 
 """The commands `simulate` and `python -m contact_estimation`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

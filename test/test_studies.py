@@ -3,8 +3,6 @@
 
 """The studies: their help, reproduction of the paper, on-line worlds and calibration."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Callable

@@ -3,8 +3,6 @@
 
 """Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from unittest import mock

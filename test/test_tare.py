@@ -3,8 +3,6 @@
 
 """The zero of the force sensor: tared once, and tracked."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import json
 from pathlib import Path

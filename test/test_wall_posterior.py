@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from math import nan
 from typing import Callable
 

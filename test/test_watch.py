@@ -3,8 +3,6 @@
 
 """The live view, and the pictures of commands."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 import subprocess

@@ -3,8 +3,6 @@
 
 """An independent solution of robot against wall, by scipy with events, for the plant's tests."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 
 from contact_estimation.parameters import build, ParameterGroup

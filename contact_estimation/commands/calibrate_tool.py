@@ -3,8 +3,6 @@
 
 """Identify mass, centre of gravity and sensor biases of a tool from a recording in free flight."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 from xml.etree import ElementTree
 

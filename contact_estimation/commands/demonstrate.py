@@ -3,8 +3,6 @@
 
 """The demonstration: conceal an effect, diagnose it, compensate it, estimate K and B again."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import subprocess

@@ -3,8 +3,6 @@
 
 """`diagnose`: name the physics that a simulation of recorded contacts lacks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """`diagnose --nominal-robot`: name the physics that the description of an arm lacks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import json
 from pathlib import Path

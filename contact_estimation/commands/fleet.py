@@ -3,8 +3,6 @@
 
 """`fleet`: replay and diagnose an archive of recordings; one table, one page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

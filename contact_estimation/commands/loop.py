@@ -3,8 +3,6 @@
 
 """`loop`: run plant, estimator and recorder on this machine and summarise the run."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 import json
 import os

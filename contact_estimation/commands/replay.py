@@ -3,8 +3,6 @@
 
 """Estimate stiffness and damping from a recording, off-line and faster than real time."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from functools import partial
 import gc

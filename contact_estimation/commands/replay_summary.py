@@ -3,8 +3,6 @@
 
 """The summary of a replay: as JSON, text or picture, or as the error that nothing is estimated."""
 
-from __future__ import annotations
-
 from collections import Counter
 from math import isfinite
 import sys

@@ -3,8 +3,6 @@
 
 """`simulate`: run a plant model off-line on a recorded command or force, or an experiment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

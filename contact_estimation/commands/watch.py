@@ -3,8 +3,6 @@
 
 """`watch`: a running estimator, or a recording, in Rerun."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import signal
 import sys

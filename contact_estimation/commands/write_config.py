@@ -7,8 +7,6 @@ Write the parameter files of config/ from the declared parameters.
 python -m contact_estimation.commands.write_config
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

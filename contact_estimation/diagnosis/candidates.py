@@ -3,8 +3,6 @@
 
 """Candidates for the next experiment, all within the reach of the recordings."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 from ..reference.experiment import Experiment, Segment

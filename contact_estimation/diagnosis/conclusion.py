@@ -3,13 +3,10 @@
 
 """From compared models to the result: names, values, held-out errors, verdict."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .dependence import dependences
 from .fit.discrepancy import discounted, material, standard_deviations
@@ -29,8 +26,8 @@ from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Va
 from .views import Progress, Seen
 from ..parameters import own_specifications
 from ..physics import EFFECTS
+from ..physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 _SHOWS = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 _AS_FITTED = 1.5, 3.0  # times that error of force and free run, which drifts: more is no noise

@@ -3,21 +3,17 @@
 
 """How well models predict held-out data."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .fit.evidence import DRAWS
 from .observe.model import Model
 from .observe.prepared_recording import PreparedRecording
 from .observe.residuals import force_residual
 from .result import Errors, HeldOutErrors
+from ..physics.numeric import Array, Flags
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice

@@ -3,8 +3,6 @@
 
 """The estimators by name. To add one: a file here and a line in the dictionary."""
 
-from __future__ import annotations
-
 from dataclasses import make_dataclass
 from typing import Callable
 

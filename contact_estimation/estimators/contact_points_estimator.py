@@ -3,8 +3,6 @@
 
 """On-line estimation of K_e, B_e and friction from the force vector of several contact points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 
 """Recursive estimation of the Hunt-Crossley contact law F = K d^n + chi d^n v."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, inf, log, nan, sqrt
 from typing import Mapping, NamedTuple, Sequence

@@ -3,8 +3,6 @@
 
 """Indirect adaptive estimation, eqs. (20) to (27) of Erickson, Weber and Sharf (2003)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Instrumental variables: estimates that position noise does not bias."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 from math import exp, nan, sqrt

@@ -3,8 +3,6 @@
 
 """Kalman filter for K_e, B_e and the location of the wall."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import copysign, inf, nan, sqrt
 from typing import Sequence

@@ -3,17 +3,14 @@
 
 """Posterior of stiffness, damping, friction, normal and lag of a contact in three axes."""
 
-from __future__ import annotations
-
 from math import exp, pi, sqrt
 from typing import Callable, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .estimate import EstimateStatus
+from ..physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
@@ -69,7 +66,7 @@ class Sums(NamedTuple):
     weight: float  # rows, as far as their noise is independent
 
     @classmethod
-    def empty(cls) -> Sums:
+    def empty(cls) -> 'Sums':
         """Return sums over nothing."""
         size = _COLUMNS + 3
         return cls(np.zeros((size, size)), np.zeros((9, 9)), np.zeros(6), 0.0)

@@ -3,8 +3,6 @@
 
 """Adaptive model-following control of an arm of unknown mass and damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

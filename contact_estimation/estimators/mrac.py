@@ -3,8 +3,6 @@
 
 """Model reference adaptive control in the structure of Singh and Popa (1995)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence

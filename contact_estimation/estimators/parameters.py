@@ -3,8 +3,6 @@
 
 """Initial values and limits of the environment, and supervision of estimators on rows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -3,8 +3,6 @@
 
 """Recursive least squares on the bilinear form, eqs. (28) to (39)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Recursive least squares with a forgetting factor that adapts to the prediction error."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence

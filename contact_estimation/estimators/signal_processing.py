@@ -3,8 +3,6 @@
 
 """The signal processing method of the paper, eqs. (8) to (18), exactly as published."""
 
-from __future__ import annotations
-
 from math import nan, pi, sqrt
 
 import numpy as np

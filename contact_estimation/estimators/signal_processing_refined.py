@@ -3,8 +3,6 @@
 
 """Signal processing by a fit of the whole decay instead of FFT bins."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import Any
 

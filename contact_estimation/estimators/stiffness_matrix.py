@@ -3,22 +3,19 @@
 
 """Full 3 x 3 stiffness and damping of a contact from three forces and three positions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from .estimate import EstimateStatus
 from .matrix_posterior import direction_of, MatrixEstimate, posterior, Sums, tangents
 from ..parameters import parameter, ParameterGroup
+from ..physics.numeric import Array
 from ..signals.contact_sample import AxesSample
 
-Array = NDArray[np.float64]
 
 _BLOCK = 50  # samples between estimates
 _HELD = 10  # samples held back: a release is detected late

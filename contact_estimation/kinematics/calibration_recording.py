@@ -3,8 +3,6 @@
 
 """Blocks of a recording for the calibration of a tool: mean wrenches and the motion."""
 
-from __future__ import annotations
-
 from array import array
 from typing import Sequence
 
@@ -112,7 +110,7 @@ def _read(
     return *signals[-1], [(times, values[:, 0]) for times, values in signals[:-1]]
 
 
-def _in_order(times: array[int], values: Array) -> tuple[np.ndarray, Array]:
+def _in_order(times: 'array[int]', values: Array) -> tuple[np.ndarray, Array]:
     stamps, first = np.unique(np.array(times, np.int64), return_index=True)
     finite = np.isfinite(values[first]).all(axis=1)
     return stamps[finite], values[first][finite]

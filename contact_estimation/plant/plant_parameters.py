@@ -3,8 +3,6 @@
 
 """Parameters of the simulated robot, wall and sensors, and the model files that hold them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -53,7 +51,7 @@ class RobotParameters(ParameterGroup):
         'and damping, driven by the control force of the estimator `mrac`',
         choices=('impedance', 'force'), read_only=True)
 
-    def law(self) -> RobotParameters:
+    def law(self) -> 'RobotParameters':
         """Return the parameters of eq. (1) that the robot obeys; a bare arm has no stiffness."""
         if self.control == 'impedance':
             return self

@@ -3,8 +3,6 @@
 
 """The signals that a run of the loop recorded, their figure and their summary."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 import json
 from math import inf, isfinite, nan
@@ -25,7 +23,7 @@ from ..reference.experiment import Experiment
 
 
 def plot_run(
-    run: RecordedRun, title: str, wall: WallParameters, force_note: str = '', warning: str = ''
+    run: 'RecordedRun', title: str, wall: WallParameters, force_note: str = '', warning: str = ''
 ) -> Any:
     """Plot a run."""
     true = {'stiffness': wall.stiffness, 'damping': wall.damping}

@@ -13,8 +13,6 @@ over all blocks, or all but one. Laws of one joint are eliminated first (Schur c
 what joints share, 24 directions of their links' inertia above all, costs one small system.
 """
 
-from __future__ import annotations
-
 from itertools import accumulate
 from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 

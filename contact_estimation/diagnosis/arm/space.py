@@ -3,8 +3,6 @@
 
 """The models of an arm that are compared: laws at joints, links, and all of it."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import log
 from typing import Callable, Iterable, Sequence

@@ -3,8 +3,6 @@
 
 """Checks for wrong use, made before any physics is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Mapping, NamedTuple, Sequence
 

@@ -3,8 +3,6 @@
 
 """Quantities of a recording from which the checks decide, each computed once."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from math import sqrt
 
@@ -17,12 +15,11 @@ from ..observe.parts import continuous_parts
 from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import LEAST_SAMPLES, Recording, Signals
 from ..observe.smoothing import pace_of, white_noise_std
+from ...physics.numeric import Array, Flags
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 from ...signals.stream_faults import CLEAR
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Of the range of the smoothed force. On 60 simulated contacts its onset is then where the wall is
 # within 2 % of the depth (median); at a fiftieth or a tenth of the range it is off by 4 or 8 %.

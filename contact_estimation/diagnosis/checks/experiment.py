@@ -3,8 +3,6 @@
 
 """Checks of the experiment: contact, wall, motion and command."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import sqrt
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Checks of signs and axes: force and position that point elsewhere."""
 
-from __future__ import annotations
-
 from math import log
 from typing import Mapping
 

@@ -3,8 +3,6 @@
 
 """The search for models: a beam from the nominal model outwards."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 

@@ -12,13 +12,10 @@ error of the force. The model uncertainty is that of parameters which are known 
 only, and not to be named as physics.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
@@ -29,8 +26,8 @@ from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals, response_to
 from ..observe.shares import LITTLE
+from ...physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 UNCERTAINTIES = (
     ('impedance_mismatch', (1.0, 1.0, 1.002), False),

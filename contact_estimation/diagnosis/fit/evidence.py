@@ -20,21 +20,18 @@ Rounding alone, which differs between processors, would then decide which of the
 scores are equal, a prior order of the effects decides.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Protocol, Sequence, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .constants import CONSTANTS, Constants
 from ..observe.model import names_of
 from ..observe.shares import SLIGHT
 from ...physics import EFFECTS
+from ...physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 ZEROS = ('force_bias', 'contact_offset')
 """Constants of sensor and surface that every rig has to some extent."""

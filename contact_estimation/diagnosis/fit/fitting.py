@@ -3,21 +3,17 @@
 
 """Jacobian of residuals that is kept up to date by what a search evaluates anyway."""
 
-from __future__ import annotations
-
 from typing import Callable, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
+from ...physics.numeric import Array
 
-
-Array = NDArray[np.float64]
 
 _STEP = 1e-4  # of forward differences, as a share of the typical change of a value
 # Where the force vanishes at an instant that depends on the value: a smaller step moves the

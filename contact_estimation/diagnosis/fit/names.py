@@ -3,20 +3,17 @@
 
 """The names that a comparison supports."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from math import inf
 from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .beam import Compared
 from .evidence import (
     Evidence, explained, NUISANCES, of_families, ranked_by, Scored, Share, share_of, taken, ZEROS)
+from ...physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 _LISTED = 3  # effects in the place of one, at most
 

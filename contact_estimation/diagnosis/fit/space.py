@@ -8,15 +8,12 @@ An effect may be added if it is physically possible on a rig, also if a recordin
 from another: both then have the same weight, and are listed with each other.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from functools import cached_property
 from typing import Callable, Mapping, Sequence, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .constants import CONSTANTS
 from .discrepancy import CHANNELS, force_of_motion, weighed
@@ -30,8 +27,8 @@ from ..observe.residuals import force_residual
 from ..observe.shares import MOST, MUCH, SLIGHT
 from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
+from ...physics.numeric import Array
 
-Array = NDArray[np.float64]
 
 _STROKES = 1.5  # ranges of the motion: its path, if it returns
 

@@ -8,19 +8,16 @@ Nothing that is missing in one contact explains that. Each contact tells twice w
 is: by the position at which its force begins, and by the spring that its force fits.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.shares import LITTLE, MOST, MUCH
 from ..observe.signals import Signals
+from ...physics.numeric import Array
 from ...reference.reference_generator import quintic
 
-Array = NDArray[np.float64]
 
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
 _FELT, _NOISE = 0.01, 5.0  # of the range of the force; standard deviations
