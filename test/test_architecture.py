@@ -35,9 +35,9 @@ def package_of(module: str) -> str:
 def imported(file: Path) -> list[str]:
     """Return the modules of this project that a file imports, below contact_estimation."""
     parts = file.relative_to(ROOT).parts[:-1]
-    return ['.'.join([*parts[:len(parts) - node.level + 1], *filter(None, [node.module])])
+    return ['.'.join([*parts[:len(parts) - node.level + 1], node.module or one.name])
             for node in ast.walk(ast.parse(file.read_text()))
-            if isinstance(node, ast.ImportFrom) and node.level]
+            if isinstance(node, ast.ImportFrom) and node.level for one in node.names]
 
 
 def test_a_package_imports_only_packages_listed_before_it() -> None:
@@ -164,7 +164,7 @@ def facts(tmp_path_factory: pytest.TempPathFactory) -> Any:
     add(package / 'estimators', 'toy_estimator',
         ('ESTIMATORS: dict[str, type[OnlineEstimator]] = {\n',
          "    'toy_estimator': ToyEstimator,\n"),
-        ('from __future__ import annotations\n', 'from .toy_estimator import ToyEstimator\n'))
+        ('from dataclasses import make_dataclass\n', 'from .toy_estimator import ToyEstimator\n'))
     shutil.copy(HERE / 'extended_package_facts.py', folder)
     done = subprocess.run(
         [sys.executable, 'extended_package_facts.py', str(folder)], cwd=folder,

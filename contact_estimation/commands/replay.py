@@ -23,7 +23,6 @@ from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 
-
 _OF_STAMPS = ('stamp_order', 'stamp_bursts', 'clock_offset')
 
 

@@ -28,7 +28,6 @@ from ..parameters import own_specifications
 from ..physics import EFFECTS
 from ..physics.numeric import Array
 
-
 _SHOWS = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 _AS_FITTED = 1.5, 3.0  # times that error of force and free run, which drifts: more is no noise
 

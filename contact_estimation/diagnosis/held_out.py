@@ -14,7 +14,6 @@ from .observe.residuals import force_residual
 from .result import Errors, HeldOutErrors
 from ..physics.numeric import Array, Flags
 
-
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
 

@@ -33,7 +33,6 @@ from ..physics.numeric import Array
 from ..plant.simulation import simulate_on
 from ..reference.experiment import Experiment
 
-
 _LEAST_PACE = 0.1
 
 

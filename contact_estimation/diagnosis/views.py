@@ -31,7 +31,6 @@ from ..physics import EFFECTS
 from ..physics.numeric import Array
 from ..plant.driven_wall import BETWEEN
 
-
 _STEPS = 3  # of Gauss and Newton to an offset of stamps
 _FAR_S = 0.03  # the longest of them: beyond, residuals are not linear
 _FILTER_S, _OF_PERIOD = 0.003, 0.9  # less late is a filter, or the course between two samples

@@ -11,7 +11,6 @@ import numpy as np
 from .estimate import EstimateStatus
 from ..physics.numeric import Array
 
-
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
 _UNKNOWNS = 31  # K, D = B - lag K, c; mu; lag of each force, share of its square; turns of n; mass

@@ -16,7 +16,6 @@ from ..parameters import parameter, ParameterGroup
 from ..physics.numeric import Array
 from ..signals.contact_sample import AxesSample
 
-
 _BLOCK = 50  # samples between estimates
 _HELD = 10  # samples held back: a release is detected late
 _KEPT = 30  # blocks from which rows are made anew for another normal

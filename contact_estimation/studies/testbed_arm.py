@@ -10,7 +10,6 @@ from typing import NamedTuple
 from ..estimators.offline_estimator import TargetImpedance
 from ..reference.setpoints import Reference
 
-
 K_E, B_E = 4800.0, 200.0
 """True stiffness [N/m] and damping [N s/m] of the wall."""
 
@@ -117,7 +116,6 @@ class TestbedConstants:
 
 TESTBED = TestbedConstants()
 """The constants used by all runs."""
-
 
 Symmetric = tuple[float, float, float, float, float, float]
 """Entries 11, 12, 13, 22, 23, 33."""

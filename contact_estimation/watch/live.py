@@ -20,7 +20,6 @@ from ..recordings.decoding import (
     WrenchDecoder)
 from ..signals.joint_merging import JointMerger
 
-
 INFO, WARNING = 'INFO', 'WARN'
 STATUS, CHECKS = 'log/status', 'log/checks'
 _AS_EXPECTED = ('free', 'estimating')

@@ -22,7 +22,6 @@ from ..recordings.mcap_file import GrowingRecording
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.source import RecordingSource
 
-
 _BAND = '#8cc8e0'  # bounds of an estimate, on a light and on a dark ground
 
 

@@ -20,7 +20,6 @@ from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 from ...signals.stream_faults import CLEAR
 
-
 # Of the range of the smoothed force. On 60 simulated contacts its onset is then where the wall is
 # within 2 % of the depth (median); at a fiftieth or a tenth of the range it is off by 4 or 8 %.
 _ONSET = 0.04

@@ -17,7 +17,6 @@ from ..observe.smoothing import quantisation_step
 from ...physics.numeric import Array, stretches
 from ...signals.stream_faults import courses_of, TARE_DUE, zero_steps as steps_of
 
-
 _RUN = 5  # samples: their median ignores two that jump; noise does not repeat a value so often
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from .constants import Constants
 from .evidence import Evidence, ranked_by, Scored
 
-
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
 LAWS = 3  # of a model of one contact
 # Extensions that are fitted to the end, since a law may prove exact only there; beside a law

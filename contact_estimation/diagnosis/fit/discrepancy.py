@@ -28,7 +28,6 @@ from ..observe.residuals import residuals, response_to
 from ..observe.shares import LITTLE
 from ...physics.numeric import Array
 
-
 UNCERTAINTIES = (
     ('impedance_mismatch', (1.0, 1.0, 1.002), False),
     ('command_delay', (3e-5,), True),

@@ -32,7 +32,6 @@ from ..observe.shares import SLIGHT
 from ...physics import EFFECTS
 from ...physics.numeric import Array
 
-
 ZEROS = ('force_bias', 'contact_offset')
 """Constants of sensor and surface that every rig has to some extent."""
 

@@ -14,7 +14,6 @@ from ..observe.residuals import residuals
 from ...physics import EFFECTS
 from ...physics.numeric import Array
 
-
 _STEP = 1e-4  # of forward differences, as a share of the typical change of a value
 # Where the force vanishes at an instant that depends on the value: a smaller step moves the
 # instant past a few samples, or none.

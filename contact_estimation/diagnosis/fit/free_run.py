@@ -23,7 +23,6 @@ from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters
 from ...plant.simulation import simulate_on
 
-
 _PICARD = 40  # rounds at most
 _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8

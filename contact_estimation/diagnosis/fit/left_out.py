@@ -20,7 +20,6 @@ from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, huber
 from ...physics.numeric import Array, Flags
 
-
 _LEAST_PARTS, _MOST_PARTS = 4, 8
 _EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
 _LEAST_RESIDUALS = 8  # of a part

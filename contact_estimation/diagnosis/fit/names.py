@@ -14,7 +14,6 @@ from .evidence import (
     Evidence, explained, NUISANCES, of_families, ranked_by, Scored, Share, share_of, taken, ZEROS)
 from ...physics.numeric import Array
 
-
 _LISTED = 3  # effects in the place of one, at most
 
 

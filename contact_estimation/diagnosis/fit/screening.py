@@ -20,7 +20,6 @@ from ...physics import EFFECTS
 from ...physics.numeric import Array, Flags
 from ...physics.prior import Scales, Tone
 
-
 Tones = tuple[Tone, ...]
 
 _LEAST = 1e-30  # in any unit

@@ -29,7 +29,6 @@ from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
 from ...physics.numeric import Array
 
-
 _STROKES = 1.5  # ranges of the motion: its path, if it returns
 
 

@@ -18,7 +18,6 @@ from ..observe.signals import Signals
 from ...physics.numeric import Array
 from ...reference.reference_generator import quintic
 
-
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
 _FELT, _NOISE = 0.01, 5.0  # of the range of the force; standard deviations
 _RESOLVED = 3.0  # times the path within which a contact begins

@@ -125,7 +125,6 @@ _WALL_LAWS: Mapping[str, Callable[[np.random.Generator], float]] = {
 _LOADED = _at('coulomb_friction', 'loaded', 0.15, 0.3)
 _STIFF = 0.2  # of the compliance in free motion: what presses with 60 N would move centimetres
 
-
 PRESSED = (CLEAN, 'coulomb_friction', 'dead_zone', 'joint_flexibility', CLEAN, 'payload',
            'cubic_stiffness', 'force_gain', CLEAN, 'quadratic_damping')
 """What is concealed in arms that press on a wall: in their joints, or in the wall."""
