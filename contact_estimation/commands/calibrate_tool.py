@@ -162,10 +162,9 @@ def _as_json(found: ToolCalibration) -> dict[str, Any]:
     tool = found.tool
     return {
         'mass_kg': {'value': tool.mass, 'std': found.mass_std},
-        'centre_m': {'value': list(tool.centre), 'std': found.centre_std.tolist()},
-        'force_bias_n': {'value': list(tool.force_bias), 'std': found.force_bias_std.tolist()},
-        'torque_bias_nm': {'value': list(tool.torque_bias),
-                           'std': found.torque_bias_std.tolist()},
+        **{f'{name}_{unit}': {'value': list(getattr(tool, name)),
+                              'std': getattr(found, f'{name}_std').tolist()}
+           for name, unit in (('centre', 'm'), ('force_bias', 'n'), ('torque_bias', 'nm'))},
         'poses': found.poses,
         'force_rms_n': found.force_rms,
         'torque_rms_nm': found.torque_rms,

@@ -72,7 +72,11 @@ def run(options: Any) -> int:
     require_at_least(options, jobs=1, seed=0, pooled=0, most_samples=1000)
     for require in (require_matplotlib, require_distributed, require_pyarrow):
         require()  # before the first recording, not after the last
-    settings = _settings(options)
+    settings = Settings.of(
+        read_model(options.nominal), topics=topics_of(options), axis=options.axis or 'x',
+        joint=options.joint or '', seed=options.seed, most_samples=options.most_samples,
+        reading=reading_of(options),
+        parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
     found = find_recordings(options.paths, options.group_by)
     used = {one.name for one in found}
     skipped = [name for name in skipped_files(options.paths) if name not in used]
@@ -92,14 +96,6 @@ def run(options: Any) -> int:
               f'{" and more" if len(skipped) > 5 else ""}; give tables as a quoted pattern, such '
               "as 'archive/*.csv', and convert ROS 1 bags with rosbags-convert")
     return 0
-
-
-def _settings(options: Any) -> Settings:
-    return Settings.of(
-        read_model(options.nominal), topics=topics_of(options), axis=options.axis or 'x',
-        joint=options.joint or '', seed=options.seed, most_samples=options.most_samples,
-        reading=reading_of(options),
-        parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
 
 
 def _output(path: str) -> Path:

@@ -57,11 +57,12 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """Run the loop."""
-    _require_packages()
+    require_matplotlib()
+    jazzy_typestore()
+    require_rclpy('loop')
     watch = _watch_words(options.watch)
     configuration = configure(options.experiment, options.params, options.estimator,
-                              options.duration, options.seed,
-                              lockstep=options.lockstep)
+                              options.duration, options.seed, lockstep=options.lockstep)
     output = new_folder(options.output)
     recording, plant_summary = output / 'recording', output / 'plant_summary.json'
     write_parameters(output / 'parameters.yaml', configuration, recording, plant_summary)
@@ -86,12 +87,6 @@ def run(options: Any) -> int:
     return 1 if failure else 0
 
 
-def _require_packages() -> None:
-    require_matplotlib()
-    jazzy_typestore()
-    require_rclpy('loop')
-
-
 def _watch_words(given: str | None) -> list[str] | None:
     """Return the options of `watch`; None for no view."""
     if given is None:
@@ -104,12 +99,7 @@ def _watch_words(given: str | None) -> list[str] | None:
 
 @contextmanager
 def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
-    """
-    Show the recording while it is written, in a process of its own at a low priority.
-
-    It subscribes to nothing: neither estimator nor plant send anything for it.
-
-    """
+    """Show the recording while it is written, in a low-priority process without subscriptions."""
     if words is None:
         yield
         return

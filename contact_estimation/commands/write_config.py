@@ -1,11 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-Write the parameter files of config/ from the declared parameters.
-
-python -m contact_estimation.commands.write_config
-"""
+"""Write the parameter files: `python -m contact_estimation.commands.write_config`."""
 
 from pathlib import Path
 from typing import Any

@@ -146,8 +146,10 @@ class _Conclusion:
     ) -> None:
         self._seen, self._named, self._tested, self._rng = seen, named, tested, generator
         self._evidence = seen.compared.evidence
-        largest = ranked_by(tested.recordings, lambda one: -_misfit_of(one, tested.base.model))
-        self._recordings, self._shown = largest, largest[0]
+        self._recordings = ranked_by(  # the one with the largest misfit first
+            tested.recordings, lambda one: -cost_of([one], tested.base.model) / max(
+                one.residual_count, 1))
+        self._shown = self._recordings[0]
         self._explained = explained(self._evidence, named.model)
         self._stds = standard_deviations(tested.recordings, tested.best)
 
@@ -172,7 +174,9 @@ class _Conclusion:
             improvement=improvement_interval(tested.parts, self._rng),
             holdouts=by_part(tested.parts),
             next_experiment=advice(effects, rivals, verdict, unilateral), rivals=rivals,
-            evidence=self._alone(), residual_power=best.cost / best.residual_count,
+            evidence={one.effects[0]: max(0.0, explained(self._evidence, one).share)
+                      for one in seen.compared.models if len(one.effects) == 1},
+            residual_power=best.cost / best.residual_count,
             dependences={key: dependences(self._shown, by_name[key], self._rng)
                          for key in pair_of(bool(effects))},
             recordings=self._recordings, free_runs=tested.free_runs,
@@ -249,13 +253,3 @@ class _Conclusion:
         return Remainder(left, location, (
             f'{100.0 * left:.0f} % of the misfit is left by all named effects together, mostly '
             f'in the {location.phase} phase{where}, {low:.2g} to {high:.2g} Hz'))
-
-    def _alone(self) -> dict[str, float]:
-        """Return the share that each effect explains alone."""
-        return {one.effects[0]: max(0.0, explained(self._evidence, one).share)
-                for one in self._seen.compared.models if len(one.effects) == 1}
-
-
-def _misfit_of(recording: PreparedRecording, model: Model) -> float:
-    """Return the mean square that a model leaves of a recording."""
-    return cost_of([recording], model) / max(recording.residual_count, 1)

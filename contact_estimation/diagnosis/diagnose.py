@@ -68,7 +68,10 @@ def diagnose(
 
     """
     fitted = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    _refuse_wrong_input(fitted, seed)
+    if not fitted:
+        raise ParameterRangeError('recordings must hold at least one recording, got none')
+    if seed < 0:
+        raise ParameterRangeError(f'seed must be >= 0, got {seed}')
     progress('checks')
     fitted, held_out = ([without_held_samples(one) for one in every]
                         for every in (fitted, held_out))
@@ -127,13 +130,6 @@ def _with_words_of_surfaces(diagnosis: Diagnosis, seen: Seen) -> Diagnosis:
     if not surfaces.are_of_several:
         return diagnosis
     return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
-
-
-def _refuse_wrong_input(recordings: Sequence[Recording], seed: int) -> None:
-    if not recordings:
-        raise ParameterRangeError('recordings must hold at least one recording, got none')
-    if seed < 0:
-        raise ParameterRangeError(f'seed must be >= 0, got {seed}')
 
 
 _PRESSING = 0.05  # of the largest force, from which on the wall is touched

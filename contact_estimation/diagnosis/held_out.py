@@ -58,11 +58,8 @@ def _resolved(recording: PreparedRecording, model: Model) -> Array:
         return error
     o = recording.observed
     span = max(1, round(_RESOLVED_S * o.pace / o.h))
-    return np.convolve(np.convolve(error, _mean_of(span), 'same'), _mean_of(span), 'same')
-
-
-def _mean_of(count: int) -> Array:
-    return np.full(count, 1.0 / count)
+    mean = np.full(span, 1.0 / span)
+    return np.convolve(np.convolve(error, mean, 'same'), mean, 'same')
 
 
 def _sums(signal: Array, span: int) -> Array:

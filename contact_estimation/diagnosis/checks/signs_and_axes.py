@@ -24,7 +24,8 @@ def force_sign(evidence: Evidence) -> Finding:
     if not evidence.model.environment.unilateral:
         return _of_specimen(evidence)
     low, high = evidence.sides_beyond_zero
-    if evidence.with_reference and _is_other_axis(evidence):
+    if evidence.with_reference and max(  # it may be that of another axis
+            abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH:
         return Finding(True, 'the force is too small to have a sign')
     far, near = sorted((low, high), key=abs, reverse=True)
     if far < evidence.clear_force or not _is_at_one_end(far, near):
@@ -32,10 +33,6 @@ def force_sign(evidence: Evidence) -> Finding:
                              'pressing')
     return Finding(False, f'F_e is {far:.3g} N while pressing, expected < 0: the force of the '
                           'environment on the end-effector; change the sign of the recorded force')
-
-
-def _is_other_axis(evidence: Evidence) -> bool:
-    return max(abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH
 
 
 def _is_at_one_end(far: float, near: float) -> bool:
