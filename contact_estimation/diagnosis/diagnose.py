@@ -210,12 +210,9 @@ def simulation_text(found: Diagnosis, model: PlantParameters) -> str:
 
 
 def estimated_model(recording: Recording) -> PlantParameters:
-    """
-    Estimate robot, wall and surface of a recording by least squares.
-
-    -F_e = K_e (x - x_e) + B_e v while pressing; F_e = M_t (x'' - x_r'') + B_t (x' - x_r') +
-    K_t (x - x_r), eq. (1).
-    """
+    """Estimate robot, wall and surface of a recording by least squares."""
+    # -F_e = K_e (x - x_e) + B_e v while pressing; F_e = M_t (x'' - x_r'') + B_t (x' - x_r') +
+    # K_t (x - x_r), eq. (1).
     model = PlantParameters()
     for _ in range(_ROUNDS):
         seen = observe(recording.signals, model)

@@ -57,12 +57,9 @@ def locate(
 
 
 def guess_port(recording: PreparedRecording, model: Model) -> str:
-    """
-    Infer the port from the channels in which residuals are.
-
-    A missing effect of the contact shows in the measured force and, through that force, in the
-    motion; one of the sensor in the force alone; one of the robot in the motion alone.
-    """
+    """Infer the port from the channels in which residuals are."""
+    # A missing effect of the contact shows in the measured force and, through that force, in the
+    # motion; one of the sensor in the force alone; one of the robot in the motion alone.
     missing = force_residual(recording, model)
     response = response_to(recording, missing * recording.use, model)
     innovations = motion_residual(recording, model)

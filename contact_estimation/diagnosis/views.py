@@ -197,12 +197,9 @@ def recalibrated(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]
 
 
 def _smoothed(seen: Seen, progress: Progress) -> Seen:
-    """
-    Smooth the motion by the best model, and fit the most likely models again.
-
-    The free run of a good model follows the sharp bends of the motion, so that the difference
-    needs less bandwidth and velocities get more accurate; friction near standstill needs that.
-    """
+    """Smooth the motion by the best model, and fit the most likely models again."""
+    # The free run of a good model follows the sharp bends of the motion, so that the difference
+    # needs less bandwidth and velocities get more accurate; friction near standstill needs that.
     runs = all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings)
     if not seen.best.effects or not runs:
         return seen

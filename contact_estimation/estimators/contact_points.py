@@ -66,11 +66,8 @@ class PointMotions(NamedTuple):
 
 
 def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions:
-    """
-    Compute penetrations, their rates and the slip from pose and twist of a rigid tool.
-
-    delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
-    """
+    """Compute penetrations, their rates and the slip from pose and twist of a rigid tool."""
+    # delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
     normals = geometry.normals
     arms = geometry.points @ motion.rotation.T  # (N, 3) [m]
     velocities = motion.velocity + np.cross(motion.angular_velocity, arms)  # (N, 3) [m/s]

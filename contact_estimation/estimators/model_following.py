@@ -132,11 +132,8 @@ class ModelFollowing:
                        tuning.adaptation_limit * k)
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
-        """
-        Set new tuning while running.
-
-        New initial values replace the estimates of the arm, a new target restarts the model.
-        """
+        """Set new tuning while running."""
+        # New initial values replace the estimates of the arm, a new target restarts the model.
         old = self._p
         self._set(tuning)
         if (tuning.arm_mass, tuning.arm_damping) != (old.arm_mass, old.arm_damping):

@@ -139,12 +139,9 @@ class ModelReferenceAdaptive(OnlineEstimator):
         return 1.0 - share, share
 
     def _spread(self, S: Matrix, keep: float) -> None:
-        """
-        Pass the covariances through theta <- A theta + S Q, A = I - S R.
-
-        With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
-        P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
-        """
+        """Pass the covariances through theta <- A theta + S Q, A = I - S R."""
+        # With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
+        # P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
         (s, t, u, v), (r, q, w), (n, o, m) = S, self._R, self._N
         a, b, c, d = 1.0 - s * r - t * q, -s * q - t * w, -u * r - v * q, 1.0 - u * q - v * w
         e, f, g, h = self._C

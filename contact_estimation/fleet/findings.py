@@ -162,12 +162,9 @@ def _change(
 
 
 def _chance(named: NDArray[np.bool_], rng: np.random.Generator) -> float:
-    """
-    Return the probability that a random order shows a change as clear.
-
-    By permutations; where none does, by Fisher's exact test times the number of places, a bound
-    that may be far smaller than one over the number of permutations.
-    """
+    """Return the probability that a random order shows a change as clear."""
+    # By permutations; where none does, by Fisher's exact test times the number of places, a bound
+    # that may be far smaller than one over the number of permutations.
     gain = _gains(named[None])[0]
     drawn = rng.permuted(np.tile(named, (_DRAWS, 1)), axis=1)
     as_clear = int(np.sum(_gains(drawn).max(axis=1) >= gain.max() - 1e-9))
@@ -227,13 +224,10 @@ class _Pair(NamedTuple):
 
 
 def differences(entries: Sequence[Entry]) -> list[Difference]:
-    """
-    Find the groups that differ from more than half of the other groups.
-
-    Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
-    (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
-    recordings do not resolve do not differ.
-    """
+    """Find the groups that differ from more than half of the other groups."""
+    # Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
+    # (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
+    # recordings do not resolve do not differ.
     groups = {group: known for group, members in by_group(entries).items()
               if len(known := [one for one in distinct(members) if one.report]) >= _LEAST_OF_GROUP}
     families = sorted({family for members in groups.values()

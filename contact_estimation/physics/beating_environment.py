@@ -44,11 +44,8 @@ class BeatingEnvironment(ContactEffect):
         return min(self.frequency, self.frequency_2) * duration < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
-        """
-        Need periods, and one that the tones gain on one another (Rayleigh's criterion).
-
-        Two tones of fewer than three periods are any curve of time.
-        """
+        """Need periods, and one that the tones gain on one another (Rayleigh's criterion)."""
+        # Two tones of fewer than three periods are any curve of time.
         low, high = sorted((self.frequency, self.frequency_2))
         return min(low / _PERIODS, high - low) * seen.duration >= 1.0
 

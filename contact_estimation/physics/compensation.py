@@ -147,12 +147,9 @@ class Compensation:
     def _averaged(
         self, terms: Sequence[WallTerms], pressing: float, tool: float, hindrance: str
     ) -> CompensatedSample:
-        """
-        Average the last three samples with the weights of eq. (31).
-
-        The average matches a central difference over the same samples, which is neither delayed
-        against it nor as noisy as an acceleration at the newest sample.
-        """
+        """Average the last three samples with the weights of eq. (31)."""
+        # The average matches a central difference over the same samples, which is neither delayed
+        # against it nor as noisy as an acceleration at the newest sample.
         first, middle, last = (terms[k] for k in (0, len(terms) // 2, -1))
         forces = self._forces
         f_0, f_1, f_2 = (forces[k] for k in (0, len(forces) // 2, -1))

@@ -60,12 +60,9 @@ class ForceCreep(ForceSensorEffect):
         return self.tau > _FASTEST_S and self.share < 1.0
 
     def is_flexible(self, duration: float) -> bool:
-        """
-        Is one that is still going on at the end, or small.
-
-        A zero that settles looks like the one, and what friction, hum and a warming sensor leave
-        like the other.
-        """
+        """Is one that is still going on at the end, or small."""
+        # A zero that settles looks like the one, and what friction, hum and a warming sensor leave
+        # like the other.
         return self.tau > _LONGEST * duration or self.share < _USUAL
 
     @classmethod

@@ -31,13 +31,10 @@ class _Weights(NamedTuple):
 
 @lru_cache(maxsize=16)
 def _weights(alpha: float) -> _Weights:
-    """
-    Return the branches whose sum is D^alpha.
-
-    t^-alpha / Gamma(1 - alpha) = sin(pi alpha) / pi times the integral of q^alpha exp(-q t) over
-    ln q. The trapezoidal rule is correct to 1e-4 for branches 0.4 decades apart, as is the whole
-    between 1e-3 s and 1e4 s; what lies beyond the branches is a geometric series.
-    """
+    """Return the branches whose sum is D^alpha."""
+    # t^-alpha / Gamma(1 - alpha) = sin(pi alpha) / pi times the integral of q^alpha exp(-q t) over
+    # ln q. The trapezoidal rule is correct to 1e-4 for branches 0.4 decades apart, as is the whole
+    # between 1e-3 s and 1e4 s; what lies beyond the branches is a geometric series.
     unit = sin(pi * alpha) / pi * _SPACING
     slower = unit * _TIMES[-1] ** -alpha / expm1(alpha * _SPACING)
     faster = unit * _TIMES[0] ** (1.0 - alpha) / expm1((1.0 - alpha) * _SPACING)

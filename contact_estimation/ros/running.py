@@ -125,12 +125,9 @@ def run_node(
 
 
 def _on_signals() -> Event:
-    """
-    Return an event that SIGINT and SIGTERM set, instead of ending at once.
-
-    rclpy's own handlers shut the context down at once, under a thread that is about to publish;
-    here the threads end first, and samples that have arrived are still processed.
-    """
+    """Return an event that SIGINT and SIGTERM set, instead of ending at once."""
+    # rclpy's own handlers shut the context down at once, under a thread that is about to publish;
+    # here the threads end first, and samples that have arrived are still processed.
     interrupted = Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: interrupted.set())

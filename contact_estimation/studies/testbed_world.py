@@ -39,12 +39,9 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
 
 
 def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
-    """
-    Compute the state after a change `step` of the deflection [m].
-
-    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
-    friction depends on the travelled distance only and approaches its limit over s.
-    """
+    """Compute the state after a change `step` of the deflection [m]."""
+    # Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    # friction depends on the travelled distance only and approaches its limit over s.
     if step == 0.0:
         return state
     end = 1.0 if step > 0.0 else -1.0

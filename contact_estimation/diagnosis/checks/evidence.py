@@ -179,12 +179,9 @@ class Evidence:
 
     @cached_property
     def sides_beyond_zero(self) -> tuple[float, float]:
-        """
-        Return the same without the zero of the sensor.
-
-        It is that of the lowest positions if the force is level there, as in free flight, and not
-        at the highest.
-        """
+        """Return the same without the zero of the sensor."""
+        # It is that of the lowest positions if the force is level there, as in free flight, and
+        # not at the highest.
         low, high = self._at_ends
         if np.std(low) < LITTLE * np.std(high):
             return 0.0, self.sides[1] - self.sides[0]
@@ -256,12 +253,9 @@ class Evidence:
                    float(np.max(np.abs(unshifted))))
 
     def peaks_apart(self, longest: float) -> float:
-        """
-        Return by how much the force peaks after the deepest contact [s].
-
-        From where the one is first near its peak to where the other is; the peak of the force is
-        sought so long [s] around the contact.
-        """
+        """Return by how much the force peaks after the deepest contact [s]."""
+        # From where the one is first near its peak to where the other is; the peak of the force is
+        # sought so long [s] around the contact.
         one = self._longest
         force, x, deepest = -one.smooth.force, one.smooth.x, int(np.argmax(one.smooth.x))
         away = np.flatnonzero(one.wall_force <= 0.0)

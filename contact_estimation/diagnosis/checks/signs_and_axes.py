@@ -16,11 +16,8 @@ from ...signals.stream_faults import CLEAR
 
 
 def force_sign(evidence: Evidence) -> Finding:
-    """
-    Find a force that does not oppose the motion.
-
-    A wall pushes back where x is largest; a permanently attached specimen takes up energy.
-    """
+    """Find a force that does not oppose the motion."""
+    # A wall pushes back where x is largest; a permanently attached specimen takes up energy.
     if not evidence.model.environment.unilateral:
         return _of_specimen(evidence)
     low, high = evidence.sides_beyond_zero
@@ -75,13 +72,10 @@ def position_sign(evidence: Evidence) -> Finding:
 
 
 def axis(evidence: Evidence) -> Finding:
-    """
-    Find a force that is not that of the contact axis.
-
-    The motion shows a contact that the force hardly shows. A force that follows no line, but is
-    the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as a
-    dome that buckles.
-    """
+    """Find a force that is not that of the contact axis."""
+    # The motion shows a contact that the force hardly shows. A force that follows no line, but is
+    # the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as
+    # a dome that buckles.
     if not evidence.model.environment.unilateral:
         return Finding(True, f'correlation of force and nominal force '
                              f'{evidence.of_wall.correlation:.2f}')
@@ -144,12 +138,9 @@ def length_unit(evidence: Evidence) -> Finding:
 
 
 def force_unit(evidence: Evidence) -> Finding:
-    """
-    Find a force that is not in newtons.
-
-    With a robot the force must be wrong by the same factor against the nominal wall and against
-    the nominal robot's equation of motion, which does not know the wall.
-    """
+    """Find a force that is not in newtons."""
+    # With a robot the force must be wrong by the same factor against the nominal wall and against
+    # the nominal robot's equation of motion, which does not know the wall.
     text = f'the force is {evidence.of_wall.slope:.3g} times that of the nominal wall'
     if evidence.with_reference:
         text += f', {evidence.of_robot.slope:.3g} times what the robot felt'
@@ -175,12 +166,9 @@ def _of_magnitude(evidence: Evidence, text: str) -> Finding:
 
 
 def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
-    """
-    Return the unit whose ratio the force has to those of nominal wall and robot.
-
-    A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the second,
-    which what is missing lowers. Without a robot only a factor of a thousand is a unit.
-    """
+    """Return the unit whose ratio the force has to those of nominal wall and robot."""
+    # A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the
+    # second, which what is missing lowers. Without a robot only a factor of a thousand is a unit.
     wall, robot = evidence.of_wall, evidence.of_robot if evidence.with_reference else None
     if robot is None:
         force, expected = evidence.deviations

@@ -48,13 +48,10 @@ _WHITE = 0.3  # power of such a mean, in that of residuals that are all of one s
 
 
 def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
-    """
-    Return a recording whose residuals discount the model uncertainty.
-
-    Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a sample,
-    at which the reference steps, and whether the robot holds the desired acceleration between
-    samples or interpolates it.
-    """
+    """Return a recording whose residuals discount the model uncertainty."""
+    # Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a
+    # sample, at which the reference steps, and whether the robot holds the desired acceleration
+    # between samples or interpolates it.
     recording = replace(recording, discount=None)
     if recording.driven_by_force(model):
         return recording
@@ -178,13 +175,10 @@ def _rms(recording: PreparedRecording, model: Model) -> float:
 
 
 def _unknown_force(plain: PreparedRecording, model: Model) -> float:
-    """
-    Return the size of the unknown force that the innovations of a driven wall show [N].
-
-    Of all filters, the one that predicts best weighs force and position by the ratio of their true
-    noise, and its innovations tell the size of both (Ljung 1999, section 7.4). What the position
-    lacks, which no force explains, is so told from a force.
-    """
+    """Return the size of the unknown force that the innovations of a driven wall show [N]."""
+    # Of all filters, the one that predicts best weighs force and position by the ratio of their
+    # true noise, and its innovations tell the size of both (Ljung 1999, section 7.4). What the
+    # position lacks, which no force explains, is so told from a force.
     def filtered(logarithm: float) -> tuple[float, float]:
         noisier = replace(plain, block=1, force_noise=plain.force_noise * exp(logarithm))
         noisier = noisier.widened(1.0, model)  # not averaged: only white innovations are least
@@ -234,12 +228,9 @@ def weighed(recordings: Recordings, model: Model) -> Recordings:
 
 
 def std_beyond_noise(left: Array, channel: Channel) -> float:
-    """
-    Estimate the standard deviation of block means beyond the noise, robust to outliers.
-
-    Where the noise differs from block to block, those count most that tell most (DerSimonian and
-    Laird 1986).
-    """
+    """Estimate the standard deviation of block means beyond the noise, robust to outliers."""
+    # Where the noise differs from block to block, those count most that tell most (DerSimonian and
+    # Laird 1986).
     there = channel.filled
     if not there.any():
         return 0.0
@@ -267,12 +258,9 @@ def correlation_time(left: Array) -> float:
 
 
 def standard_deviations(recordings: Recordings, found: Fit) -> Array:
-    """
-    Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986).
-
-    Residuals may be correlated in any way within half a second and are independent across; the
-    result is never below that for residuals of the correlation time that each channel shows.
-    """
+    """Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986)."""
+    # Residuals may be correlated in any way within half a second and are independent across; the
+    # result is never below that for residuals of the correlation time that each channel shows.
     model = found.model
     function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps

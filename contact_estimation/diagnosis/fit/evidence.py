@@ -219,12 +219,9 @@ class Evidence:
         return bool(exact.sum() > inexact.sum())
 
     def weights(self, models: Sequence[Scored], seed: int) -> Array:
-        """
-        Return the posterior weight of each model, shape (M,).
-
-        Averaged over a Bayesian bootstrap of the parts, so that few parts prove little
-        (pseudo-BMA+: Y. Yao, A. Vehtari, D. Simpson and A. Gelman, Bayesian Analysis 13, 2018).
-        """
+        """Return the posterior weight of each model, shape (M,)."""
+        # Averaged over a Bayesian bootstrap of the parts, so that few parts prove little
+        # (pseudo-BMA+: Y. Yao, A. Vehtari, D. Simpson and A. Gelman, Bayesian Analysis 13, 2018).
         both = [self.log_likelihoods(one) for one in models]
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]

@@ -102,12 +102,9 @@ class _Recorded:
         self.sample_period = recording.observed.h
 
     def clips(self, limit: float) -> bool:
-        """
-        Return whether the force sensor clips as a saturating one does.
-
-        The measured force is level where it would be held, though the motion is not, and not for
-        most of the time to and fro, as friction holds it.
-        """
+        """Return whether the force sensor clips as a saturating one does."""
+        # The measured force is level where it would be held, though the motion is not, and not for
+        # most of the time to and fro, as friction holds it.
         one, model = self._recording, self._model
         o, force = one.observed, one.observed.force
         held = (np.abs(force - force_residual(one, model)) >= limit) & one.use

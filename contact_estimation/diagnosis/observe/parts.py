@@ -66,12 +66,9 @@ def _cut(signals: Signals, first: float, last: float) -> Signals:
 
 
 def spans_of(signals: Signals) -> list[tuple[float, float]]:
-    """
-    Find the stretches in which no topic pauses.
-
-    A pause of less than a fiftieth of the recording over which the topic goes straight on is none:
-    a straight line tells what happened.
-    """
+    """Find the stretches in which no topic pauses."""
+    # A pause of less than a fiftieth of the recording over which the topic goes straight on is
+    # none: a straight line tells what happened.
     s = signals
     begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])
     pace = pace_of(_period(s.wrench_t), end - begin)

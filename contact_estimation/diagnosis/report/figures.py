@@ -84,11 +84,8 @@ def _limits(data: PlotData, residuals: Residuals) -> tuple[float, float]:
 
 @figure_style()
 def plot_parts(effect: NamedEffect) -> Any:
-    """
-    Plot an effect part by part: the share that it explains, and its first parameter.
-
-    Of a law beside named offsets the share is that of what these leave.
-    """
+    """Plot an effect part by part: the share that it explains, and its first parameter."""
+    # Of a law beside named offsets the share is that of what these leave.
     figure, (above, below) = new_figure((_WIDTH, 3.6), 2, sharex=True)
     _plot_shares(above, effect)
     _plot_values(below, effect)
