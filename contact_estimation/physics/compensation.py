@@ -50,7 +50,7 @@ class Compensation:
         self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float,
         sample_rate: float,
     ) -> None:
-        self._sensor = _sensors(effects)
+        self._sensor = [one for one in effects if isinstance(one, ForceSensorEffect)]
         lagging = [effect for effect in self._sensor if 'reader' in effect.changes]
         self._wall = KnownWall(
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
@@ -161,10 +161,6 @@ class Compensation:
             hindrance = WAITING
         return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope,
                                  last.inertial_force, hindrance)
-
-
-def _sensors(effects: Sequence[Effect]) -> list[Any]:
-    return [effect for effect in effects if isinstance(effect, ForceSensorEffect)]
 
 
 def _memory(effects: Sequence[Any]) -> Memory:
