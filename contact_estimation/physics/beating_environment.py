@@ -4,11 +4,10 @@
 from dataclasses import astuple, dataclass
 from itertools import combinations
 from math import pi
-from typing import Any
 
 from .law import (
-    ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen,
-    Strength)
+    Any, ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales,
+    Seen, Strength)
 from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
 
 _PERIODS = 3.0  # fewest of the slower tone

@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -9,8 +8,8 @@ import numpy as np
 
 from .force_lag import ForceLag
 from .law import (
-    Array, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader, Scales,
-    Strength)
+    Array, dataclass, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader,
+    Scales, Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording

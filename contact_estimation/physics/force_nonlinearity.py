@@ -1,14 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import inf
-from typing import Any
 
 import numpy as np
 
 from .force_gain import CALIBRATED
-from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
+from .law import (
+    Any, dataclass, ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen)
 
 
 @dataclass(frozen=True)

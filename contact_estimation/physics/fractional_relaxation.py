@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import exp, expm1, inf, log, pi, sin
 from operator import mul
@@ -10,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Generator, Need, Number, optional_parameter, Prior, Scales, State,
-    Strength)
+    Array, ContactEffect, dataclass, Flags, Generator, Need, Number, optional_parameter, Prior,
+    Scales, State, Strength)
 from .viscoelastic_relaxation import REPELS
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
