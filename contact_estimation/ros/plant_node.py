@@ -47,7 +47,10 @@ class PlantNode(Node):
         world, own = divided(PlantNodeParameters, declare(self, all_specifications()))
         self._plant = build(PlantParameters, world)
         self._own = build(PlantNodeParameters, own)
-        require_impedance(self._plant)
+        if self._plant.robot.control != 'impedance':  # no topic carries the force that would push
+            raise ParameterRangeError(
+                f'robot.control must be impedance in plant_node, got {self._plant.robot.control}; '
+                'a bare arm runs off-line only, in run_closed_loop and in `reproduce`')
         experiment = experiment_named(self._own.experiment)
         self._duration = self._own.duration or (
             float('inf') if self._own.repeat else experiment.duration)
@@ -194,14 +197,6 @@ class PlantNode(Node):
         self._plant = changed(self._plant, world)
         self._world.configure(self._plant)
         self._sensors.configure(self._plant)
-
-
-def require_impedance(plant: PlantParameters) -> None:
-    """Refuse a bare arm: no topic carries the force that would have to push it."""
-    if plant.robot.control != 'impedance':
-        raise ParameterRangeError(
-            f'robot.control must be impedance in plant_node, got {plant.robot.control}; a bare '
-            'arm runs off-line only, in run_closed_loop and in `reproduce`')
 
 
 def main(args: Sequence[str] | None = None) -> int:

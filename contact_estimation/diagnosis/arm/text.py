@@ -152,8 +152,7 @@ def _effect_dict(one: ArmEffect) -> dict[str, Any]:
         'probability': one.probability, 'equation': one.equation, 'share': one.share,
         'share_interval': list(one.share_interval), 'torque_shares': one.torque_shares,
         'evidence_nat': one.gain,
-        'parameters': {name: {'value': value.value, 'std': value.std, 'unit': value.unit}
-                       for name, value in one.parameters.items()},
+        'parameters': {name: vars(value) for name, value in one.parameters.items()},
         'indistinguishable_from': one.indistinguishable_from,
         'location': {'intervals_s': [list(pair) for pair in one.intervals_s],
                      'region': one.region},

@@ -58,11 +58,12 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
     here = residuals(recording, model, robust=False)
     o = recording.observed
     robot = o.reference is not None
-    columns = [
-        residuals(recording, model.with_effect(name, _scaled(values, o.pace if time else 1.0)),
-                  robust=False) - here
-        for name, values, time in UNCERTAINTIES
-        if name not in model.effects and (robot or name == 'force_delay')]
+    columns = []
+    for name, values, time in UNCERTAINTIES:
+        if name not in model.effects and (robot or name == 'force_delay'):
+            scaled = tuple(o.pace * value if time else value for value in values)
+            varied = model.with_effect(name, scaled)
+            columns.append(residuals(recording, varied, robust=False) - here)
     if robot:
         responses = (_held_acceleration(recording, model), *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]
@@ -74,10 +75,6 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
         cable = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
     return replace(recording, discount=Discount.of(np.array(columns).T, cable))
-
-
-def _scaled(values: tuple[float, ...], factor: float) -> tuple[float, ...]:
-    return tuple(factor * value for value in values)
 
 
 def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:
@@ -150,7 +147,9 @@ _CLUSTER_S = 0.5
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """Return the recording with the discrepancy that a fitted model leaves."""
-    plain, unknown = without_discrepancy(recording), 0.0
+    # As if the laws of the library were exact.
+    plain = replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
+    unknown = 0.0
     if plain.driven_by_force(model):
         plain, unknown = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
@@ -215,11 +214,6 @@ def least_material(recording: PreparedRecording) -> float:
 def force_of_motion(recording: PreparedRecording, model: Model) -> float:
     """Return the force that changes innovations by a metre [N/m]; see `forces`."""
     return model.laws().robot.mass * recording.observed.observer_cutoff**2
-
-
-def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:
-    """Return the recording as if the laws of the library were exact, without a discount."""
-    return replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
 
 
 def weighed(recordings: Recordings, model: Model) -> Recordings:
