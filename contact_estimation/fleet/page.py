@@ -1,12 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The fleet as one self-contained HTML page: `prepare_NAME` makes the data of NAME.html."""
+"""
+The fleet as one self-contained HTML page, `fleet.html`.
+
+`prepare_NAME` makes the data of a section; one whose data are None is left out.
+"""
 
 from collections import Counter
 from datetime import datetime, timezone
 from math import floor, isfinite, log10
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -281,23 +285,12 @@ def _trend_row(trend: Trend) -> dict[str, Any]:
     }
 
 
-SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
-    'summary': prepare_summary,
-    'changes': prepare_changes,
-    'trends': prepare_trends,
-    'differences': prepare_differences,
-    'names': prepare_names,
-    'pooled': prepare_pooled,
-    'errors': prepare_errors,
-    'recordings': prepare_recordings,
-}
-"""In the order of the page. A section whose data are None is left out."""
-
-
 def as_html(fleet: Fleet) -> str:
     """Build the page."""
-    prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
     environment = diagnosis_page.environment(__package__, 'contact_estimation.diagnosis.report')
-    return environment.get_template('page.html').render(
+    return environment.get_template('fleet.html').render(
         verdict='fleet', title=f'{len(fleet.entries)} recordings',
-        sections={name: data for name, data in prepared.items() if data is not None})
+        summary=prepare_summary(fleet), changes=prepare_changes(fleet),
+        trends=prepare_trends(fleet), differences=prepare_differences(fleet),
+        names=prepare_names(fleet), pooled=prepare_pooled(fleet), errors=prepare_errors(fleet),
+        recordings=prepare_recordings(fleet))
