@@ -103,8 +103,7 @@ class MissingPackageError(ContactEstimationError, ImportError):
         """
         return cls(
             f'{needed_for} needs the Python package {package!r}, which is not installed; '
-            f'install it with: pip install {package}'
-        )
+            f'install it with: pip install {package}')
 
 
 class MessageError(ContactEstimationError, ValueError):

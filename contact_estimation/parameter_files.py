@@ -69,8 +69,7 @@ def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
     for section in content:
         if str(section).strip('/') not in KNOWN_NODES and section != ANY_NODE:
             raise UnknownNameError.among(
-                f'node in parameter file {path}', section, (*KNOWN_NODES, ANY_NODE)
-            )
+                f'node in parameter file {path}', section, (*KNOWN_NODES, ANY_NODE))
     parameters: dict[str, Any] = {}
     for section in (ANY_NODE, node, f'/{node}'):
         if section in content:
@@ -87,8 +86,7 @@ def _load(path: Path) -> Mapping[str, Any]:
     if not isinstance(content, Mapping):
         raise ModelFileError(
             f'parameter file {path} must hold `NODE: {{ros__parameters: ...}}`, got '
-            f'{type(content).__name__}'
-        )
+            f'{type(content).__name__}')
     return content
 
 
@@ -97,6 +95,5 @@ def _section(content: Any, path: Path | str, section: str) -> dict[str, Any]:
     if not isinstance(inner, Mapping):
         raise ModelFileError(
             f'section {section!r} of parameter file {path} must hold `ros__parameters` with a '
-            f'mapping, got {content!r}'
-        )
+            f'mapping, got {content!r}')
     return flatten_mapping(inner)

@@ -7,8 +7,6 @@ Declaration of parameters: the dataclass field holds default, unit, range and me
 Groups of parameters are converted to dotted names and back, as ROS and parameter files use them.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math
@@ -142,8 +140,7 @@ class ParameterSpecification:
             raise ParameterRangeError(
                 f'{self.name} must be {self.expectation}, and at most {number_text(largest)} in '
                 f'magnitude, got {value!r}: its square would overflow; default '
-                + value_text(self.default)
-            )
+                + value_text(self.default))
 
     def _error(self, value: Any) -> ParameterRangeError:
         return ParameterRangeError(
@@ -152,13 +149,8 @@ class ParameterSpecification:
 
 
 def parameter(
-    default: Value,
-    description: str,
-    unit: str = '',
-    minimum: float | None = None,
-    maximum: float | None = None,
-    choices: tuple[str, ...] = (),
-    read_only: bool = False,
+    default: Value, description: str, unit: str = '', minimum: float | None = None,
+    maximum: float | None = None, choices: tuple[str, ...] = (), read_only: bool = False,
     nan_is_off: bool = False,
 ) -> Any:
     """
@@ -192,7 +184,7 @@ def optional_parameter(
     return dataclasses.field(default=math.nan, metadata={**declared.metadata, **search})
 
 
-def group(cls: type[ParameterGroup], description: str = '') -> Any:
+def group(cls: 'type[ParameterGroup]', description: str = '') -> Any:
     """Declare a nested group of parameters, with the defaults of its class, as a field."""
     return dataclasses.field(
         default_factory=cls, metadata={'group': cls, 'description': description})
@@ -303,8 +295,7 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
         if spec.check(changes[spec.name]) != flat[spec.name]:
             raise ParameterReadOnlyError(
                 f'{spec.name} is fixed at start ({flat[spec.name]!r}), got '
-                f'{changes[spec.name]!r}; set it in the parameter file and start again'
-            )
+                f'{changes[spec.name]!r}; set it in the parameter file and start again')
     return build(type(values), {**flat, **changes})
 
 

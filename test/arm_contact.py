@@ -3,8 +3,6 @@
 
 """A small arm: kinematics by hand-written transforms, and messages as it presses on a wall."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any, NamedTuple, Sequence
 
@@ -41,8 +39,7 @@ def urdf() -> str:
         f'<link name="{link}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/>'
         f'<child link="{link}"/><origin xyz="{_text(xyz)}" rpy="{_text(rpy)}"/>'
         f'<axis xyz="{_text(axis)}"/>{_LIMITS}</joint>'
-        for link, parent, name, kind, xyz, rpy, axis in _LINKS
-    )
+        for link, parent, name, kind, xyz, rpy, axis in _LINKS)
     return f'<robot name="small_arm"><link name="world"/>{joints}</robot>'
 
 
@@ -129,8 +126,7 @@ def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]
             for part in parts:
                 raw = joint_state_bytes(
                     ['finger_joint', *(JOINTS[k] for k in part)], [0.02, *q[part]],
-                    [0.0, *q_dot[part]], stamp_ns=stamp_ns,
-                )
+                    [0.0, *q_dot[part]], stamp_ns=stamp_ns)
                 listed.append(('/joint_states', stamp_ns, raw))
         force, torque = wrench[:3].tolist(), wrench[3:].tolist()
         raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id='sensor')

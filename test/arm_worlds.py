@@ -3,8 +3,6 @@
 
 """Recordings of a small arm: rigid-body dynamics of Pinocchio plus laws, without integration."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any, Sequence
 

@@ -3,8 +3,6 @@
 
 """Samples of three axes at once: three walls, touched at different times."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from contact_estimation.parameters import build
@@ -45,21 +43,18 @@ def instants(contact_s: float = 0.8) -> list[Instant]:
     columns = [_axis_samples(axis, contact_s) for axis in AXES]
     return [
         Instant(s[0].stamp_ns, *(tuple(c) for c in zip(*(one[1:] for one in s))))
-        for s in zip(*columns)
-    ]
+        for s in zip(*columns)]
 
 
 def _axis_samples(axis: str, contact_s: float) -> list[ContactSample]:
     K_e, B_e = WALLS[axis]
     delay, seed = DELAYS[axis], AXES.index(axis)
     moving = contact_samples(
-        contact_s, K_e=K_e, B_e=B_e, force_noise=0.3, seed=seed, omega=20.0 + 7.0 * seed,
-    )
+        contact_s, K_e=K_e, B_e=B_e, force_noise=0.3, seed=seed, omega=20.0 + 7.0 * seed)
     samples = moving[:1] * delay + moving[:len(moving) - delay]
     return [
         s._replace(stamp_ns=k * PERIOD_NS, position=s.position + LOCATIONS[axis])
-        for k, s in enumerate(samples)
-    ]
+        for k, s in enumerate(samples)]
 
 
 def moved_instants(samples: list[Instant], begin_ns: int) -> list[Instant]:

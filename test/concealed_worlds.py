@@ -3,8 +3,6 @@
 
 """Short noisy recordings of worlds with concealed physics, some of it outside the library."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi, sin
@@ -149,8 +147,7 @@ def touches(*places: Touch, swing: float = 0.012) -> Experiment:
         excitation = Swing(swing, now + 0.5, duration)
         segments += [
             Segment(0.5, depth), Segment(duration, depth, position_excitation=excitation),
-            Segment(0.2, depth), Segment(0.4, FREE), Segment(0.3, FREE),
-        ]
+            Segment(0.2, depth), Segment(0.4, FREE), Segment(0.3, FREE)]
         now += duration + 1.4
     return Experiment('touches', FREE, tuple(segments))
 
@@ -198,8 +195,7 @@ def record(
         return (*experiment.desired(t)[:3], 0.0)
 
     start = experiment.desired(0.0).position
-    truths, samples = run_open_loop(
-        plant, reference, start, experiment.duration, further)
+    truths, samples = run_open_loop(plant, reference, start, experiment.duration, further)
     t = np.array([truth.t for truth in truths])
     return Signals(t, samples.force, t, samples.position, t,
                    np.array([reference(now) for now in t.tolist()]).T)

@@ -9,8 +9,6 @@ paths, and without pytest-xdist, everything runs in this process.
 
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import PurePath
 import signal

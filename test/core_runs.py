@@ -3,8 +3,6 @@
 
 """Closed-loop runs and synthetic samples that several test files share, and rows one at a time."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import nan
 from typing import Any, Mapping, NamedTuple, Sequence
@@ -83,15 +81,12 @@ class Run(NamedTuple):
 
 
 def closed_loop(
-    estimation: Mapping[str, Any] | None = None,
-    plant: Mapping[str, Any] | None = None,
-    experiment: str = 'sine',
-    duration: float = 10.0,
+    estimation: Mapping[str, Any] | None = None, plant: Mapping[str, Any] | None = None,
+    experiment: str = 'sine', duration: float = 10.0,
 ) -> Run:
     """Run plant and session closed over the reference; equal requests share one run."""
     return _closed_loop(
-        tuple((estimation or {}).items()), tuple((plant or {}).items()), experiment, duration
-    )
+        tuple((estimation or {}).items()), tuple((plant or {}).items()), experiment, duration)
 
 
 @lru_cache(maxsize=None)
@@ -105,17 +100,9 @@ def _closed_loop(
 
 
 def contact_samples(
-    contact_s: float = 1.0,
-    K_e: float = 4800.0,
-    B_e: float = 200.0,
-    depth: float = 0.008,
-    amplitude: float = 0.002,
-    omega: float = 20.0,
-    force_noise: float = 0.0,
-    position_noise: float = 0.0,
-    with_velocity: bool = True,
-    seed: int = 0,
-    rate: float = 500.0,
+    contact_s: float = 1.0, K_e: float = 4800.0, B_e: float = 200.0, depth: float = 0.008,
+    amplitude: float = 0.002, omega: float = 20.0, force_noise: float = 0.0,
+    position_noise: float = 0.0, with_velocity: bool = True, seed: int = 0, rate: float = 500.0,
 ) -> list[ContactSample]:
     """Rest 10 mm before the wall, approach, then depth + amplitude (1 - cos(omega t))."""
     noise = np.random.default_rng(seed)
@@ -130,11 +117,8 @@ def contact_samples(
         force = min(-float(K_e * x + B_e * v), 0.0) if x > 0.0 else 0.0
         force_error, position_error = noise.standard_normal(2).tolist()
         samples.append(ContactSample(
-            round(k * 1e9 / rate),
-            float(x) + position_noise * position_error,
-            float(v) if with_velocity else nan,
-            force + force_noise * force_error,
-        ))
+            round(k * 1e9 / rate), float(x) + position_noise * position_error,
+            float(v) if with_velocity else nan, force + force_noise * force_error))
     return samples
 
 
@@ -144,8 +128,6 @@ def pipeline_with(**estimation: Any) -> EstimationPipeline:
     return EstimationPipeline(build(EstimationParameters, names))
 
 
-def estimates_of(
-    samples: list[ContactSample], pipeline: EstimationPipeline
-) -> list[Estimate]:
+def estimates_of(samples: list[ContactSample], pipeline: EstimationPipeline) -> list[Estimate]:
     """Pass samples through a pipeline."""
     return [estimate_after(pipeline, sample) for sample in samples]

@@ -3,8 +3,6 @@
 
 """Small simulated recordings and their diagnoses, each made once, for several test files."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import pi
 from pathlib import Path

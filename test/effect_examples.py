@@ -3,8 +3,6 @@
 
 """Every effect with parameters of a plausible size, for the tests over all of them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
@@ -13,8 +11,7 @@ from contact_estimation.physics.prior import Scales
 
 SCALES = Scales(
     depth=0.013, speed=0.1, force=60.0, control=200.0, greatest_pull=0.0, duration=1.4,
-    stiffness=4800.0, damping=200.0, mass=50.0,
-)
+    stiffness=4800.0, damping=200.0, mass=50.0)
 EXAMPLES: dict[str, tuple[float, ...]] = {
     'coulomb_friction': (6.0,),
     'stribeck_friction': (4.0, 9.0, 0.02),

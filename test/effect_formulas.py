@@ -3,8 +3,6 @@
 
 """The laws of all effects, written out by hand: F_e of a given motion."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """An arm without a force sensor that presses on a table, as its joint states show it."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 from xml.etree import ElementTree

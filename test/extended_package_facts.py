@@ -3,8 +3,6 @@
 
 """Run inside a package extended by `toy_effect` and `toy_estimator`: print facts as JSON."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import sys

@@ -3,8 +3,6 @@
 
 """Recordings of a fleet with results made up: what statistics and page of the fleet look at."""
 
-from __future__ import annotations
-
 from typing import Any, Sequence
 
 from contact_estimation.fleet.table import Entry, in_time
@@ -49,8 +47,7 @@ def group_of(name: str, reports: Sequence[dict[str, Any] | None]) -> list[Entry]
         Entry(f'{name}/run_{k}.mcap', f'/archive/{name}/run_{k}.mcap', name, f'{name}{k}',
               outcome(None, None, error='broken') if one is None
               else outcome(one, BEGIN_NS + k * DAY_NS))
-        for k, one in enumerate(reports)
-    ]
+        for k, one in enumerate(reports)]
 
 
 def archive(**groups: Sequence[dict[str, Any] | None]) -> list[Entry]:

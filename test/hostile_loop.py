@@ -3,8 +3,6 @@
 
 """An ideal robot at a wall, under a session that gets false stamps, calls and parameters."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any, NamedTuple
 

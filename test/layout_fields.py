@@ -3,8 +3,6 @@
 
 """Which topics and fields the layouts of other viewers read, and what a recording has of them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

@@ -3,8 +3,6 @@
 
 """Recordings written by the package mcap, and what is read of them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -16,11 +14,8 @@ STRING = 'std_msgs/msg/String'
 
 
 def plain_file(
-    path: Path,
-    count: int = 300,
-    compression: CompressionType = CompressionType.ZSTD,
-    finish: bool = True,
-    **options: Any,
+    path: Path, count: int = 300, compression: CompressionType = CompressionType.ZSTD,
+    finish: bool = True, **options: Any,
 ) -> Path:
     """Write a file by the package mcap; message k of topic k % 2 holds the number k."""
     options = {'chunk_size': 1000, **options}

@@ -38,9 +38,7 @@ def deserialized(raw: bytes, type_name: str) -> Any:
 
 
 def wrench_bytes(
-    force: Sequence[float],
-    torque: Sequence[float] = (0.0, 0.0, 0.0),
-    little_endian: bool = True,
+    force: Sequence[float], torque: Sequence[float] = (0.0, 0.0, 0.0), little_endian: bool = True,
     **of_header: Any,
 ) -> bytes:
     parts = (new('Vector3', *map(float, vector)) for vector in (force, torque))
@@ -54,12 +52,8 @@ def vector_bytes(vector: Sequence[float], **of_header: Any) -> bytes:
 
 
 def joint_state_bytes(
-    names: Sequence[str],
-    position: Sequence[float],
-    velocity: Sequence[float] = (),
-    effort: Sequence[float] = (),
-    little_endian: bool = True,
-    **of_header: Any,
+    names: Sequence[str], position: Sequence[float], velocity: Sequence[float] = (),
+    effort: Sequence[float] = (), little_endian: bool = True, **of_header: Any,
 ) -> bytes:
     arrays = (np.array(values, np.float64) for values in (position, velocity, effort))
     message = new('JointState', header(**of_header), list(names), *arrays)
@@ -67,17 +61,14 @@ def joint_state_bytes(
 
 
 def trajectory_bytes(
-    names: Sequence[str],
-    points: Sequence[Mapping[str, Sequence[float]]],
-    little_endian: bool = True,
-    **of_header: Any,
+    names: Sequence[str], points: Sequence[Mapping[str, Sequence[float]]],
+    little_endian: bool = True, **of_header: Any,
 ) -> bytes:
     fields = ('positions', 'velocities', 'accelerations', 'effort')
     made = [
         new('JointTrajectoryPoint', *(np.array(p.get(f, ()), np.float64) for f in fields),
             new('Duration', number, 0))
-        for number, p in enumerate(points)
-    ]
+        for number, p in enumerate(points)]
     message = new('JointTrajectory', header(**of_header), list(names), made)
     return serialized(message, TRAJECTORY, little_endian)
 
@@ -90,6 +81,5 @@ def transforms_bytes(
         new('TransformStamped', header(stamp_ns, parent), child, new(
             'Transform', new('Vector3', *map(float, pose[:3])),
             new('Quaternion', *map(float, pose[3:]))))
-        for stamp_ns, parent, child, pose in transforms
-    ]
+        for stamp_ns, parent, child, pose in transforms]
     return serialized(new('TFMessage', made), TF, little_endian)

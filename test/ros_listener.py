@@ -8,8 +8,6 @@ Importing this module skips a test module where there is no ROS.
 
 """
 
-from __future__ import annotations
-
 from itertools import count
 import os
 import time

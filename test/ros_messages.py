@@ -9,8 +9,6 @@ need are imported from here, therefore.
 
 """
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any, Iterable, Sequence
 
@@ -69,8 +67,7 @@ def trajectory(
     """Make a trajectory of one point; no effort where it is NaN."""
     point = JointTrajectoryPoint(
         positions=[position], velocities=[velocity], accelerations=[acceleration],
-        effort=[] if effort != effort else [effort],
-    )
+        effort=[] if effort != effort else [effort])
     message = JointTrajectory(joint_names=[JOINT], points=[point])
     message.header.stamp = to_stamp(stamp_ns)
     return message

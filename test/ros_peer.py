@@ -8,8 +8,6 @@ Importing this module skips a test module where there is no ROS.
 
 """
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 import time
@@ -43,8 +41,7 @@ _KNOCK_S = 0.02
 
 def _set_request(values: Mapping[str, Any]) -> Any:
     return SetParameters.Request(parameters=[
-        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
-    ])
+        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()])
 
 
 class Peer(Listener):
@@ -77,8 +74,7 @@ class Peer(Listener):
         self.spin_until(
             lambda: all(p.get_subscription_count() for p in inputs)
             and all(self.node.count_publishers(topic) for topic in outputs),
-            'discovery',
-        )
+            'discovery')
         stamps, knocked = count(self.begin_ns, PERIOD_NS), [0.0]
 
         def passed() -> bool:
@@ -126,8 +122,7 @@ class Peer(Listener):
         self.spin_until(
             lambda: stamp_ns in self.heard['stiffness']
             and stamp_ns + PERIOD_NS in self.references,
-            f'all answers to {stamp_ns}',
-        )
+            f'all answers to {stamp_ns}')
 
     def wish(self, stamp_ns: int, *numbers: float) -> None:
         """Publish a wish that holds from an instant on; see `trajectory`."""
@@ -159,8 +154,7 @@ class Peer(Listener):
     def names(self) -> list[str]:
         """List the parameters of the node."""
         answer = self.call(
-            ListParameters, f'{self.name}/list_parameters', ListParameters.Request()
-        )
+            ListParameters, f'{self.name}/list_parameters', ListParameters.Request())
         return list(answer.result.names)
 
     def describe(self, names: Sequence[str]) -> list[Any]:
@@ -250,9 +244,7 @@ class Peer(Listener):
         self.diagnosed(lambda _, values: values.get(key) == str(count), f'{count} {reason}')
 
 
-def estimator_and_peer(
-    folder: Path, wishes: bool = True, **parameters: Any
-) -> Iterator[Peer]:
+def estimator_and_peer(folder: Path, wishes: bool = True, **parameters: Any) -> Iterator[Peer]:
     """Run an estimator node as long as a fixture lives; yields the peer that has met it."""
     with node_process(folder, 'estimator_node', **parameters):
         peer = Peer()

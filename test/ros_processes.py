@@ -10,8 +10,6 @@ machine does not reach.
 
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 import os
 from pathlib import Path
@@ -124,8 +122,7 @@ class ModuleProcess:
             self._process = subprocess.Popen(
                 [sys.executable, '-m', f'contact_estimation.{module}', *arguments],
                 env=environment(folder), cwd=folder, stdout=out, stderr=err,
-                pass_fds=() if _reservation is None else (_reservation.fileno(),),
-            )
+                pass_fds=() if _reservation is None else (_reservation.fileno(),))
         self.pid = self._process.pid
 
     def __enter__(self) -> 'ModuleProcess':

@@ -3,8 +3,6 @@
 
 """Commands in this process: an exception that escapes one fails the test."""
 
-from __future__ import annotations
-
 from typing import Callable, NamedTuple
 
 import pytest

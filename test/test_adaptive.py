@@ -3,8 +3,6 @@
 
 """The adaptive estimators of the paper, and that of a Hunt-Crossley wall."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.estimators.gradient_speed import stiffest_wall

@@ -3,8 +3,6 @@
 
 """The order of packages, what importing loads, and what one new file and one line do."""
 
-from __future__ import annotations
-
 import ast
 from functools import lru_cache
 import json
@@ -22,11 +20,10 @@ import pytest
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'ament_licence', 'texts', 'exceptions', 'figures', 'scheduling', 'parameters',
-    'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference',
-    'estimators', 'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit',
-    'diagnosis', 'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
-    'studies.blind_trials', 'studies', 'executables',
-]
+    'parameter_files', 'recordings', 'signals', 'kinematics', 'physics', 'reference', 'estimators',
+    'pipeline', 'plant', 'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit', 'diagnosis',
+    'diagnosis.report', 'diagnosis.arm', 'fleet', 'watch', 'ros', 'commands',
+    'studies.blind_trials', 'studies', 'executables']
 
 
 def package_of(module: str) -> str:
@@ -38,9 +35,9 @@ def package_of(module: str) -> str:
 def imported(file: Path) -> list[str]:
     """Return the modules of this project that a file imports, below contact_estimation."""
     parts = file.relative_to(ROOT).parts[:-1]
-    return ['.'.join([*parts[:len(parts) - node.level + 1], *filter(None, [node.module])])
+    return ['.'.join([*parts[:len(parts) - node.level + 1], node.module or one.name])
             for node in ast.walk(ast.parse(file.read_text()))
-            if isinstance(node, ast.ImportFrom) and node.level]
+            if isinstance(node, ast.ImportFrom) and node.level for one in node.names]
 
 
 def test_a_package_imports_only_packages_listed_before_it() -> None:
@@ -83,11 +80,9 @@ def test_core_imports_without_ros() -> None:
     code = (
         'import importlib, sys\n'
         f'for name in {CORE!r}: importlib.import_module(name)\n'
-        f'print(len(sys.modules), [name for name in {BANNED!r} if name in sys.modules])'
-    )
+        f'print(len(sys.modules), [name for name in {BANNED!r} if name in sys.modules])')
     run = subprocess.run(
-        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True
-    )
+        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True)
     count, _, imported = run.stdout.strip().partition(' ')
     assert imported == '[]', run.stdout + run.stderr
     assert int(count) > len(CORE) > 100
@@ -110,8 +105,7 @@ def after_import() -> Any:
     """Return the modules loaded and the environment changed by importing the package."""
     code = (
         'import json, os, sys; before = dict(os.environ); import contact_estimation as ce\n'
-        'print(json.dumps([sorted(sys.modules), dict(os.environ) == before]))'
-    )
+        'print(json.dumps([sorted(sys.modules), dict(os.environ) == before]))')
     run = subprocess.run([sys.executable, '-c', code], cwd=REPOSITORY, check=True,
                          capture_output=True, text=True)
     return json.loads(run.stdout)
@@ -170,7 +164,7 @@ def facts(tmp_path_factory: pytest.TempPathFactory) -> Any:
     add(package / 'estimators', 'toy_estimator',
         ('ESTIMATORS: dict[str, type[OnlineEstimator]] = {\n',
          "    'toy_estimator': ToyEstimator,\n"),
-        ('from __future__ import annotations\n', 'from .toy_estimator import ToyEstimator\n'))
+        ('from dataclasses import make_dataclass\n', 'from .toy_estimator import ToyEstimator\n'))
     shutil.copy(HERE / 'extended_package_facts.py', folder)
     done = subprocess.run(
         [sys.executable, 'extended_package_facts.py', str(folder)], cwd=folder,

@@ -3,8 +3,6 @@
 
 """Contact of an arm: x, v and F_e along the normal, and the stiffness that follows."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import nan
 from typing import Any, Mapping
@@ -100,8 +98,7 @@ def test_a_wrench_in_axes_of_the_base_is_turned_before_the_tool() -> None:
 @pytest.mark.parametrize('frame, hint', [
     ('left_tool0_controller', 'set force_sensor.frame to tool0'),
     ('panda_K', 'stiffness frame of Franka drivers'),
-    ('', 'UR drivers tool0, with force_sensor.axes: base'),
-])
+    ('', 'UR drivers tool0, with force_sensor.axes: base')])
 def test_frames_of_common_drivers_are_explained(frame: str, hint: str) -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     session.describe(urdf())
@@ -221,8 +218,7 @@ def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     ({'further_axes.y.joint': 'a'}, "is estimated; got further_axes.y.joint 'a'"),
     ({'kinematics.tip': ''}, r'tool\.\* needs the orientation'),
     ({'force_sign': 0.5}, 'force_sign must be 1 or -1'),
-    ({'robot_description_file': '/no/such.urdf'}, 'cannot be read: No such file'),
-])
+    ({'robot_description_file': '/no/such.urdf'}, 'cannot be read: No such file')])
 def test_parameters_that_do_not_fit_are_refused(changes: dict[str, Any], text: str) -> None:
     with pytest.raises(ContactEstimationError, match=text):
         ContactSession(build(EstimationParameters, {**PARAMETERS, **changes}))

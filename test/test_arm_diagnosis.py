@@ -3,8 +3,6 @@
 
 """What the diagnosis of a whole arm names, on a small arm whose physics is known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -172,8 +170,7 @@ def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint()
     ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0],
                        'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),
     ('torque_gravity', {'tau': lambda tau: tau - weight()}),
-    ('torque_external', {'tau': lambda tau: 0.05 * np.ptp(tau, axis=0) * np.tanh(motion().v)}),
-])
+    ('torque_external', {'tau': lambda tau: 0.05 * np.ptp(tau, axis=0) * np.tanh(motion().v)})])
 def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) -> None:
     found = diagnose_arm(arm_recording(**changes), URDF)
     assert [one.name for one in found.checks if not one.ok] == [check]
@@ -338,8 +335,7 @@ def test_the_page_shows_the_arm_and_every_name() -> None:
 
 @pytest.mark.parametrize('named, outcome', [
     ([('payload', 'load', ['joint_3'])], 'right'), ([('base_tilt', 'robot', [])], 'wrong'),
-    ([], 'silent'), ([('coulomb_friction', 'friction', ['joint_1'])], 'silent'),
-])
+    ([], 'silent'), ([('coulomb_friction', 'friction', ['joint_1'])], 'silent')])
 def test_trials_count_the_first_name_beyond_friction(named: list[Any], outcome: str) -> None:
     truth = {'kind': 'payload', 'arm': 'planar_3r',
              'effects': [{'name': 'payload', 'family': 'load', 'place': None}]}

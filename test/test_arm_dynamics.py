@@ -3,16 +3,13 @@
 
 """The dynamics of arms, against closed forms and MuJoCo."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
 from arm_worlds import along, JOINTS, motion, pressing, URDF
 from contact_estimation.diagnosis.arm.arm_recording import ArmRecording
 from contact_estimation.diagnosis.arm.channels import Channels
-from contact_estimation.exceptions import (
-    MissingPackageError, ModelFileError, UnknownNameError)
+from contact_estimation.exceptions import (MissingPackageError, ModelFileError, UnknownNameError)
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics, Outside, PER_LINK
 from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.physics.joint_drive import through_gap
@@ -100,8 +97,7 @@ def test_each_law_has_a_finite_column_for_each_coefficient(name: str) -> None:
     place = PLACES[effect.place]
     for shape in effect.shapes(here, place):
         columns = effect.columns(here, place, shape)
-        assert {one.shape for one in columns.values()} == {
-            (len(here.q), len(effect.coefficients))}
+        assert {one.shape for one in columns.values()} == {(len(here.q), len(effect.coefficients))}
         assert np.isfinite(list(columns.values())).all()
         assert np.abs(list(columns.values())).max() > 0.0
 

@@ -3,8 +3,6 @@
 
 """Frames by tf: read, and for an arm."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import struct
@@ -90,8 +88,7 @@ def test_motion_and_force_are_those_along_the_normal() -> None:
     live = Live(OF_TF).take(tf_messages())
     truth = [instant.contact for instant in instants()]
     found = np.array([[r.sample.position, r.sample.force] for r in live.results])
-    np.testing.assert_allclose(
-        found, [[s.position + LOCATION, s.force] for s in truth], atol=1e-9)
+    np.testing.assert_allclose(found, [[s.position + LOCATION, s.force] for s in truth], atol=1e-9)
     assert all(np.isnan(result.sample.velocity) for result in live.results)
     assert not live.session.rejected
 
@@ -165,8 +162,7 @@ def test_diagnosis_reads_motion_and_force_along_the_normal(tmp_path: Path) -> No
     live = Live(OF_TF).take(tf_messages())
     signals = read_recording(write(tmp_path / 'a.mcap', live.recorded)).signals
     truth = [one.contact for one in instants()]
-    np.testing.assert_allclose(
-        signals.position, [s.position + LOCATION for s in truth], atol=1e-9)
+    np.testing.assert_allclose(signals.position, [s.position + LOCATION for s in truth], atol=1e-9)
     np.testing.assert_allclose(signals.force, [s.force for s in truth], atol=1e-9)
 
 
@@ -250,8 +246,7 @@ def test_poses_are_those_of_hand_written_transforms(base: str, frame: str) -> No
     R, p = model.pose(row)
     expected = np.linalg.inv(pose(q, base, 'world')) @ pose(q, frame, 'world')
     np.testing.assert_allclose(np.c_[R, p], expected[:3], atol=1e-9)
-    np.testing.assert_allclose(
-        model.root_axes, pose(q, base, model.root)[:3, :3], atol=1e-9)
+    np.testing.assert_allclose(model.root_axes, pose(q, base, model.root)[:3, :3], atol=1e-9)
 
 
 def test_frames_that_lack_are_named() -> None:
@@ -286,5 +281,4 @@ def test_turning_frames_are_interpolated_the_short_way() -> None:
     tree.add_moving([StampedTransform(0, 'base', 'a', poses[0])])
     halfway = TransformModel(tree, 'base', 'a').pose(rows[0][1][:7])[0]
     assert rows[0][0] == 5
-    np.testing.assert_allclose(
-        halfway, Rotation.from_euler('z', 0.01).as_matrix(), atol=1e-9)
+    np.testing.assert_allclose(halfway, Rotation.from_euler('z', 0.01).as_matrix(), atol=1e-9)

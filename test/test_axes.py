@@ -3,8 +3,6 @@
 
 """Several axes: estimated beside each other, as full matrices, and replayed."""
 
-from __future__ import annotations
-
 from itertools import chain
 import json
 from math import nan
@@ -64,9 +62,7 @@ def test_reference_is_that_of_the_contact_axis_alone() -> None:
 def biased(samples: list[Instant], count: int) -> list[Instant]:
     """Rest in free flight under a bias."""
     first = samples[0]
-    return [
-        first._replace(stamp_ns=k * 2_000_000, forces=(1.0, -2.0, 3.0)) for k in range(count)
-    ]
+    return [first._replace(stamp_ns=k * 2_000_000, forces=(1.0, -2.0, 3.0)) for k in range(count)]
 
 
 def test_tare_acts_on_every_axis_and_is_repeated_by_its_event() -> None:
@@ -94,8 +90,7 @@ def test_tare_is_refused_for_all_while_one_axis_is_in_contact() -> None:
 @pytest.mark.parametrize('wrong, text', [
     ({'further_axes.x.joint': 'a'}, 'further_axes.x.joint must be empty, since x is the contact'),
     ({'joint': ''}, 'joint must name the joint of axis x .* got an empty text'),
-    ({'further_axes.y.joint': 'contact_z'}, 'must name different joints'),
-])
+    ({'further_axes.y.joint': 'contact_z'}, 'must name different joints')])
 def test_axes_that_do_not_fit_together_are_refused(wrong: dict[str, str], text: str) -> None:
     with pytest.raises(ContactEstimationError, match=text):
         build(EstimationParameters, {**PARAMETERS, **wrong})
@@ -119,8 +114,7 @@ def samples_of(
     return [
         tuple(ContactSample(round(2e6 * k), *map(float, (x[k, i], rates[k, i], F[k, i])))
               for i in range(3))
-        for k in range(len(T))
-    ]
+        for k in range(len(T))]
 
 
 def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
@@ -174,8 +168,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for stamp_ns, positions, velocities, forces in RECORDED:
             raw = joint_state_bytes(
                 ['elbow', *reversed(JOINTS.values())], [9.0, *reversed(positions)],
-                [9.0, *reversed(velocities)], stamp_ns=stamp_ns,
-            )
+                [9.0, *reversed(velocities)], stamp_ns=stamp_ns)
             writer.write('/joint_states', JOINTS_TYPE, raw, stamp_ns)
             raw = wrenches.encode(stamp_ns, *forces)
             writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped', raw, stamp_ns)
@@ -195,8 +188,7 @@ def test_csv_has_columns_of_every_axis(recording: Path, tmp_path: Path) -> None:
     assert header.split(',') == ['t', *names, *(f'{n}_{a}' for a in 'yz' for n in names)]
     results = feed_axes(session_of_axes(False), RECORDED)
     for row, result in zip(rows, results, strict=True):
-        own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value]
-               for e in result.estimates]
+        own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value] for e in result.estimates]
         assert row.split(',')[1:] == sum(own, [])
 
 
@@ -223,8 +215,7 @@ def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> No
 
 @pytest.mark.parametrize('given, text', [
     ('y=contact_y', 'AXIS:=JOINT'), ('y:=', 'AXIS:=JOINT'), ('w:=a', 'unknown axis'),
-    ('x:=contact_x', 'x is the contact axis'),
-])
+    ('x:=contact_x', 'x is the contact axis')])
 def test_wrong_further_axis_is_refused(
     recording: Path, capfd: pytest.CaptureFixture[str], given: str, text: str
 ) -> None:

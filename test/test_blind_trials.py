@@ -3,8 +3,6 @@
 
 """Blind trials: worlds, rigs, scores and studies."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -172,8 +170,7 @@ def scored(truth: dict[str, Any], answer: dict[str, Any]) -> Score:
     (['force_bias', 'coulomb_friction'], (), RIGHT, False),
     (['coulomb_friction', 'contact_offset'], (), RIGHT, False),
     (['force_bias'], (), SILENT, False),
-    ([], (), SILENT, False),
-])
+    ([], (), SILENT, False)])
 def test_on_a_rig_the_family_of_the_first_name_decides(
     names: list[str], rivals: tuple[str, ...], outcome: str, surplus: bool
 ) -> None:
@@ -193,8 +190,7 @@ def test_true_name_counts_first_or_among_the_alternatives_of_the_first() -> None
 
 @pytest.mark.parametrize('said, outcome', [
     (answer(), SILENT), (answer(verdict='consistent'), SILENT), (answer('force_bias'), WRONG),
-    (answer(verdict='unexplained'), WRONG),
-])
+    (answer(verdict='unexplained'), WRONG)])
 def test_any_name_or_accusation_in_a_clean_world_is_a_false_alarm(
     said: dict[str, Any], outcome: str
 ) -> None:
@@ -336,8 +332,7 @@ def test_the_command_draws_diagnoses_and_scores_trials(
 @pytest.mark.parametrize('words, message', [
     (['--count', '0'], 'all 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
     (['--count', '0', '--unknown', '-1'], '--unknown must be >= 0'),
-    (['--count', '1', '--jobs', '0'], '--jobs must be >= 1'),
-])
+    (['--count', '1', '--jobs', '0'], '--jobs must be >= 1')])
 def test_the_command_refuses_invalid_counts(
     words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

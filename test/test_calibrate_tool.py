@@ -3,8 +3,6 @@
 
 """The load of a tool: calibrated, and taken out of the wrench."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re
@@ -91,8 +89,7 @@ def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path:
     ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
     ({'poses': POSES, 'sign': -1.0}, r'change the sign of force_sign \(now 1\)'),
     ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
-    ({'poses': POSES[:2]}, 'does not determine|at least 4'),
-])
+    ({'poses': POSES[:2]}, 'does not determine|at least 4')])
 def test_refusal_says_what_is_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: dict[str, Any], message: str
 ) -> None:
@@ -112,8 +109,7 @@ def test_a_sensor_without_a_tool_is_named(
 
 def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     write(tmp_path / 'run.mcap', POSES, sign=-1.0)
-    (tmp_path / 'params.yaml').write_text(
-        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
@@ -123,8 +119,7 @@ def test_wrong_force_sign_of_the_parameter_file_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(tmp_path / 'run.mcap', POSES)
-    (tmp_path / 'params.yaml').write_text(
-        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
     assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 

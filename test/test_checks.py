@@ -3,8 +3,6 @@
 
 """Each check fires on the wrong use it is for, alone, and on nothing else."""
 
-from __future__ import annotations
-
 from typing import Callable, Mapping
 
 from concealed_worlds import nominal, physics, recorded

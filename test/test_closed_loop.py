@@ -3,8 +3,6 @@
 
 """The paper's benchmark in the closed loop, and stiff walls in it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
@@ -59,8 +57,7 @@ def gentle_samples(
     """Touch softly, then 50.4 N and a slow sine, positions rounded, velocity not measured."""
     samples = contact_samples(
         2.0, K_e, B_e, depth=50.4 / K_e, amplitude=amplitude / K_e, force_noise=FORCE_STD,
-        with_velocity=False, seed=seed,
-    )
+        with_velocity=False, seed=seed)
     return [s._replace(position=round(s.position / RESOLUTION) * RESOLUTION) for s in samples]
 
 

@@ -3,8 +3,6 @@
 
 """The evidence for models, against the integrals that it stands for, and what follows from it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, log
 from typing import Sequence
@@ -95,8 +93,7 @@ def test_a_law_is_taken_if_its_likelihood_pays_its_prior(gain: float, worth: boo
     ((1e3, 1e3, 1e3, 1e3, 1e3), scored(29.0, 'a'), scored(9.0, 'a', 'b')),
     ((1e3, 1e3, 1e3, 1e3, 1e3), scored(9.0, 'a', 'b'), scored(810.0, 'a')),
     # The same error by rarer curves is less likely.
-    ((90, 90, 90, 90, 90), scored(5.0, 'a'), replace(scored(5.0, 'b'), curves=1)),
-])
+    ((90, 90, 90, 90, 90), scored(5.0, 'a'), replace(scored(5.0, 'b'), curves=1))])
 def test_order_of_models(base: Sequence[float], best: Scored, worse: Scored) -> None:
     constants = CHEAP._replace(ideal=0.0) if base[0] > 1e3 else CONSTANTS
     assert evidence(scored(base), constants).ranked([worse, best]) == [best, worse]
@@ -251,9 +248,7 @@ class Worlds:
     ({'a': 0.25, 'b': 0.3, 'c': 0.95, 'd': 0.99}, {'a', 'b'}, 'fitted'),  # least of all d
     ({'d': 1e-4, 'b': 0.5}, {'d'}, 'extended'),  # nothing is left to gain
 ])
-def test_search_adds_laws_that_pay(
-    factors: dict[str, float], found: set[str], never: str
-) -> None:
+def test_search_adds_laws_that_pay(factors: dict[str, float], found: set[str], never: str) -> None:
     space = Worlds(**factors)
     compared = search(space, lambda text: None)
     assert compared.models[0].key == found

@@ -3,8 +3,6 @@
 
 """Known extra physics: estimators that compensate an effect find K_e and B_e."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 
@@ -143,8 +141,7 @@ def test_stiffness_behind_a_known_joint_is_that_of_the_wall() -> None:
 
 
 @pytest.mark.parametrize('name, moved', [
-    ('contact_offset', -0.0015), ('moving_environment', None), ('plastic_set', None),
-])
+    ('contact_offset', -0.0015), ('moving_environment', None), ('plastic_set', None)])
 def test_location_is_where_the_surface_is_known_to_be(name: str, moved: float | None) -> None:
     samples, end = recorded(name)
     estimates = EstimationPipeline(parameters_of(name, estimator='rls')).process(samples)

@@ -3,8 +3,6 @@
 
 """Known extra physics of a wall whose surface is taken at the first touch."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import isfinite, nan
 

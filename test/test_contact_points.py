@@ -8,8 +8,6 @@ A tool with a front and a rear foot and a nose goes down on a floor, slides to a
 and leaves them.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import cos, hypot, pi, sin, tanh
 from typing import Any, Sequence
@@ -29,8 +27,7 @@ INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # all that can happen
 GEOMETRY = ContactGeometry(
     points=np.array([[0.03, 0.0, -0.04], [-0.03, 0.0, -0.04], [0.05, 0.0, 0.01]]),
     surfaces=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.15, 0.0, 0.0]]),
-    normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]),
-)
+    normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
 
 BEGIN = (0.0, 0.0, 0.055)
 PITCH = 0.12  # [rad]: the front foot touches first
@@ -66,8 +63,7 @@ def motion_at(t: float) -> ToolMotion:
     c, s = cos(place[3]), sin(place[3])
     rotation = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     return ToolMotion(
-        np.array(place[:3]), rotation, np.array(rate[:3]), np.array([0.0, rate[3], 0.0])
-    )
+        np.array(place[:3]), rotation, np.array(rate[:3]), np.array([0.0, rate[3], 0.0]))
 
 
 def force_of(motion: ToolMotion) -> np.ndarray:
@@ -198,8 +194,7 @@ def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> Co
 @pytest.mark.parametrize('sample, reason', [
     (resting((0.005, -0.02), (0.0, 0.0, 0.05)), 'a point may touch or not'),  # withdraws
     (resting((1e-6, -0.02), (0.0, 0.0, -0.1)), 'a point may touch or not'),  # at the surface
-    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown'),
-])
+    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown')])
 def test_what_cannot_be_told_from_the_motion_is_not_learned(
     sample: ContactPointsSample, reason: str
 ) -> None:

@@ -3,8 +3,6 @@
 
 """The session: samples paired by stamp, and what becomes of them."""
 
-from __future__ import annotations
-
 from math import inf, isfinite, nan
 from typing import Any, Iterable
 
@@ -45,8 +43,7 @@ def send(of: Synchroniser, messages: list[Message]) -> list[ContactSample]:
 
 def streams(milliseconds: range, shift_ns: int = 0) -> list[Message]:
     """Wrench and joint at the same times, the joint later by a shift."""
-    return [m for t in milliseconds for m in
-            (('wrench', t * MS), ('joint', t * MS + shift_ns))]
+    return [m for t in milliseconds for m in (('wrench', t * MS), ('joint', t * MS + shift_ns))]
 
 
 def stamps_ms(samples: list[ContactSample]) -> list[float]:
@@ -181,8 +178,7 @@ def finite(results: list[Result]) -> bool:
         isfinite(value)
         for r in results
         for value in (r.estimate.stiffness, r.estimate.damping, r.estimate.location,
-                      *(r.reference or ()))
-    )
+                      *(r.reference or ())))
 
 
 def problem_after(name: str, value: Any) -> str:

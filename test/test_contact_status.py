@@ -3,8 +3,6 @@
 
 """The status of the contact, and latched steps."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import inf, nan
 
@@ -28,8 +26,7 @@ import pytest
 from wall_worlds import Array, contact, Samples, spring_damper
 
 K, B = 5000.0, 100.0
-FREE, ESTIMATING, FROZEN = (
-    EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
+FREE, ESTIMATING, FROZEN = (EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 ESTIMATORS = ['multiple_model', 'kalman', 'rls', 'hunt_crossley']
 
 
@@ -60,8 +57,7 @@ def test_status_is_free_outside_the_wall_and_not_while_it_presses(estimator: str
 def test_estimates_out_of_contact_are_those_of_the_contact_before(estimator: str) -> None:
     samples = two_presses()
     estimates = estimates_of(samples, estimator=estimator)
-    held = {(one.stiffness, one.damping) for one, t in zip(estimates, samples.t)
-            if 2.1 < t < 2.5}
+    held = {(one.stiffness, one.damping) for one, t in zip(estimates, samples.t) if 2.1 < t < 2.5}
     assert len(held) == 1
     assert held.pop()[0] == pytest.approx(K, rel=0.02)
 
@@ -146,8 +142,7 @@ def test_event_survives_its_text(event: EstimationEvent) -> None:
 def test_start_event_restores_all_parameters() -> None:
     parameters = build(EstimationParameters, {'estimator': 'kalman', 'sample_rate': 400.0})
     event = EstimationEvent.from_text(
-        event_now(ContactSession(parameters), START, flatten(parameters)).to_text()
-    )
+        event_now(ContactSession(parameters), START, flatten(parameters)).to_text())
     assert repr(build(EstimationParameters, event.parameters)) == repr(parameters)
 
 

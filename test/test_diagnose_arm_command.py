@@ -3,8 +3,6 @@
 
 """`diagnose --nominal-robot`: what it writes, and one line on stderr for unusable input."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -138,8 +136,7 @@ def test_what_the_recording_of_a_simulator_has_is_not_named(
     (['--nominal-robot', 'run_1.mcap'], 'expected text in UTF-8, got other data'),
     (['--nominal-robot', 'arm.urdf', '--topic', 'joint_states:=/other'], '/other'),
     (['--write-urdf', 'c.urdf', '--nominal', 'x.yaml'], '--write-urdf needs --nominal-robot'),
-    ([], 'one of --nominal MODEL.yaml'),
-])
+    ([], 'one of --nominal MODEL.yaml')])
 def test_wrong_use_is_one_line(
     options: list[str], message: str, folder: Path, command: Command,
     monkeypatch: pytest.MonkeyPatch,

@@ -3,8 +3,6 @@
 
 """The command diagnose: what it writes, and one line on stderr for unusable input."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

@@ -3,8 +3,6 @@
 
 """Fits, parts that are held out, and repetition."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
@@ -151,8 +149,7 @@ def at(x: Array) -> Observed:
     """Observe positions, one every 10 ms."""
     h, nothing = 0.01, np.zeros(len(x))
     force, t = np.where(x > 0.0, -5000.0 * x, 0.0), np.linspace(0.0, h * (len(x) - 1), len(x))
-    return Observed(t, h, force, np.ones(len(x), bool), x, x, nothing,
-                    nothing, None, 1e-6, 20.0)
+    return Observed(t, h, force, np.ones(len(x), bool), x, x, nothing, nothing, None, 1e-6, 20.0)
 
 
 def test_episodes_are_the_touches() -> None:

@@ -3,8 +3,6 @@
 
 """Every effect has a world in which the diagnosis names it, and nothing is named without cause."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -3,8 +3,6 @@
 
 """Innovations, candidates and credible laws of a diagnosis."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded

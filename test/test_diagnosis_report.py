@@ -3,8 +3,6 @@
 
 """The report of a diagnosis: JSON, text, figures and page."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from html.parser import HTMLParser
 import json
@@ -99,8 +97,7 @@ def test_report_is_json_without_nan(name: str) -> None:
 
 @pytest.mark.parametrize(('effect', 'values', 'stiffness', 'damping'), [
     ('power_law_stiffness', (1.2, 7000.0), None, 'fitted'),
-    ('hunt_crossley_damping', (2e4,), 'fitted', 0.0),
-])
+    ('hunt_crossley_damping', (2e4,), 'fitted', 0.0)])
 def test_stiffness_or_damping_replaced_by_an_effect_is_null_or_zero(
     effect: str, values: tuple[float, ...], stiffness: Any, damping: Any
 ) -> None:
@@ -176,8 +173,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope='module', params=[
-    name if name == 'friction' else pytest.param(name, marks=pytest.mark.slow) for name in NAMES
-])
+    name if name == 'friction' else pytest.param(name, marks=pytest.mark.slow) for name in NAMES])
 def page(request: pytest.FixtureRequest) -> tuple[str, str]:
     """Build the page of each world once."""
     pytest.importorskip('matplotlib')
@@ -271,8 +267,7 @@ def test_missing_matplotlib_is_an_error_with_remedy(monkeypatch: pytest.MonkeyPa
     (9.31e-6, 2.2e-8, '(9.310 &plusmn; 0.022) &times; 10<sup>-6</sup>'),
     (250.0, 131.0, '250 &plusmn; 131'),
     (1.5, float('nan'), '1.5'),
-    (float('nan'), 1.0, '&ndash;'),
-])
+    (float('nan'), 1.0, '&ndash;')])
 def test_numbers_are_rounded_to_two_digits_of_their_uncertainty(
     value: float, std: float, text: str
 ) -> None:

@@ -3,8 +3,6 @@
 
 """What a diagnosis observes: clocks, noise and residuals."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import floor, pi
 import re
@@ -103,8 +101,7 @@ def found_in(name: str, channel: str) -> dict[str, Dependence]:
 @pytest.mark.parametrize('name, channel, on', [
     ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
     ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),
-    ('robot_friction', 'motion', 'its own past'),
-])
+    ('robot_friction', 'motion', 'its own past')])
 def test_residual_depends_on_the_quantity_of_the_missing_law(
     name: str, channel: str, on: str
 ) -> None:
@@ -238,8 +235,7 @@ def test_discrepancy_is_found_beside_noise_of_any_spread(block: int, widest: flo
     plain = channel(spread, block)
     assert std_beyond_noise(
         plain.average(errors(spread, block, UNKNOWN)), plain) == pytest.approx(UNKNOWN, rel=0.06)
-    assert std_beyond_noise(
-        plain.average(errors(spread, block, 0.0)), plain) < 0.3 * NOISE
+    assert std_beyond_noise(plain.average(errors(spread, block, 0.0)), plain) < 0.3 * NOISE
 
 
 def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:

@@ -3,8 +3,6 @@
 
 """Specimens that are attached for good, and simulations as the nominal model."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import json
 from pathlib import Path

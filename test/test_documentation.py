@@ -3,8 +3,6 @@
 
 """The documentation builds, its example prints what it says, and its links lead somewhere."""
 
-from __future__ import annotations
-
 from importlib import import_module, util
 import os
 from pathlib import Path

@@ -3,8 +3,6 @@
 
 """Exported contacts: MuJoCo and Drake compute our force; other formats hold what they say."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 from xml.etree import ElementTree
@@ -81,8 +79,7 @@ def force_of_drake(text: str, world: Any, hydroelastic: bool) -> Array:
         one.replace('</drake:proximity_properties>', slippery) for one in (of_wall, of_tool))
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, 1e-9 * PERIOD_NS)
-    plant.set_contact_model(
-        ContactModel.kHydroelastic if hydroelastic else ContactModel.kPoint)
+    plant.set_contact_model(ContactModel.kHydroelastic if hydroelastic else ContactModel.kPoint)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
     # Edges that lie on those of the wall's mesh would be counted twice now and then.
     shape, place = ('<box><size>0.06 0.01 0.01</size></box>', '-0.03 0.0113 0.0271 0.3 0 0') if (
@@ -121,8 +118,7 @@ def test_drake_computes_our_force(world: Any, hydroelastic: bool) -> None:
 @pytest.mark.parametrize('world', [
     model(4800.0, 200.0, 50.0), model(20_000.0, 100.0, 5.0), model(800.0, 30.0, 2.0),
     model(4800.0, 200.0, 50.0, robot_friction__F_c=6.0),
-    model(4800.0, 200.0, 10.0, reflected_inertia__M_r=5.0),
-])
+    model(4800.0, 200.0, 10.0, reflected_inertia__M_r=5.0)])
 def test_mujoco_computes_our_force(world: Any) -> None:
     ours = our_force(world)
     theirs = force_of_mujoco(mujoco_xml(world))

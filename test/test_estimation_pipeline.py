@@ -3,8 +3,6 @@
 
 """The pipeline: learns in contact alone, deterministic, changed live, conditions well."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from contact_estimation.estimators import ESTIMATORS
@@ -26,8 +24,7 @@ def free_flight(count: int, position: float = -0.05, level: float = 0.0) -> list
     noise = 0.5 * np.random.default_rng(12).standard_normal(count)
     return [
         ContactSample(k * PERIOD_NS, position, 0.0, level + error)
-        for k, error in enumerate(noise.tolist())
-    ]
+        for k, error in enumerate(noise.tolist())]
 
 
 def later(samples: list[ContactSample], by_ns: int) -> list[ContactSample]:

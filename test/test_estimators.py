@@ -3,8 +3,6 @@
 
 """Contracts of all estimators, the Kalman filter, and the refined signal processing."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import product
 from math import isfinite
@@ -139,8 +137,7 @@ def test_free_filter_equals_that_of_filterpy() -> None:
 def test_closed_loop_recovers_a_wall_that_is_1_mm_elsewhere(wall: float) -> None:
     run = closed_loop(
         {'estimator': 'kalman', 'tuning.kalman.location_std': 1e-3},
-        {**PAPER_SENSORS, 'environment.location': wall},
-    )
+        {**PAPER_SENSORS, 'environment.location': wall})
     assert run.last.location == pytest.approx(wall, abs=1e-4)
 
 

@@ -3,8 +3,6 @@
 
 """Experiments: played, and proposed next."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 from math import sin
@@ -34,8 +32,7 @@ GOOD: dict[str, Any] = {
         {'duration': 2.0, 'position': 0.01, 'force': 30.0, 'force_excitation': SINE,
          'position_excitation': {'kind': 'prbs', 'amplitude': 0.002, 'shift_rate': 10.0}},
         {'duration': 1.5, 'position': 0.01, 'force_excitation':
-         {'kind': 'multisine', 'amplitude': 4.0, 'angular_frequencies': [5.0, 11.0]}},
-    ],
+         {'kind': 'multisine', 'amplitude': 4.0, 'angular_frequencies': [5.0, 11.0]}}],
 }
 
 
@@ -123,8 +120,7 @@ def test_missing_file_is_an_error_that_names_it(tmp_path: Path) -> None:
     (with_segment(force_excitation={'kind': 'multisine', 'amplitude': 1.0,
                                     'angular_frequencies': 5.0}), 'angular_frequencies'),
     (with_segment(force_excitation={'kind': 'multisine', 'amplitude': 1.0,
-                                    'angular_frequencies': []}), 'at least one frequency'),
-])
+                                    'angular_frequencies': []}), 'at least one frequency')])
 def test_mistake_in_the_file_is_an_error_that_says_which(
     content: Any, message: str, tmp_path: Path
 ) -> None:

@@ -3,8 +3,6 @@
 
 """Laws of the literature: those with memory against independent forms, and what studies need."""
 
-from __future__ import annotations
-
 from math import gamma
 from typing import Any, Callable
 

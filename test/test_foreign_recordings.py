@@ -3,8 +3,6 @@
 
 """Recordings of others: foreign types, hostile files, ordinary bags."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import os
 from pathlib import Path
@@ -89,8 +87,7 @@ def custom(k: int, time_ns: int) -> bytes:
     ('geometry_msgs/msg/Wrench', unstamped, '', ''),
     (ARRAY, array, '', 'data[1:7]'),
     (ARRAY, array, '', 'data[1]'),
-    ('lab_msgs/msg/Board', custom, DEFINED, 'samples[1].force'),
-])
+    ('lab_msgs/msg/Board', custom, DEFINED, 'samples[1].force')])
 def test_wrenches_of_any_type_are_read_with_the_time_of_reception(
     tmp_path: Path, kind: str, wrench: Any, definition: str, field: str
 ) -> None:
@@ -109,8 +106,7 @@ def test_wrenches_of_any_type_are_read_with_the_time_of_reception(
     (ARRAY, array, {'wrench_field': 'data[', 'stamps': 'received'}, 'must be a path such as'),
     (WRENCH, stamped, {'topics': {'joint_states': '/wrench', 'wrench': '/joint_states'}},
      'has the type sensor_msgs/msg/JointState, expected geometry_msgs/msg/WrenchStamped'),
-    ('lab_msgs/msg/Unknown', array, {}, 'has the type lab_msgs/msg/Unknown, expected'),
-])
+    ('lab_msgs/msg/Unknown', array, {}, 'has the type lab_msgs/msg/Unknown, expected')])
 def test_other_types_are_named_with_what_they_hold(
     tmp_path: Path, kind: str, wrench: Any, options: Any, text: str
 ) -> None:
@@ -160,8 +156,7 @@ def test_rate_is_measured_where_it_is_not_recorded(
         f'{y}: &{y} [*{x}, *{x}, *{x}, *{x}, *{x}]\n' for x, y in zip('abcdefgh', 'bcdefghi')),
      'more than 100000 values'),
     ('#' * (1 << 21), 'at most 1048576 bytes'),
-    ('version https://git-lfs.github.com/spec/v1', 'git lfs pull'),
-])
+    ('version https://git-lfs.github.com/spec/v1', 'git lfs pull')])
 def test_yaml_that_python_cannot_hold_is_named(tmp_path: Path, content: str, text: str) -> None:
     (tmp_path / 'a.yaml').write_text(content)
     with pytest.raises(ContactEstimationError, match=f'a.yaml cannot be read: .*{text}'):
@@ -171,8 +166,7 @@ def test_yaml_that_python_cannot_hold_is_named(tmp_path: Path, content: str, tex
 @pytest.mark.parametrize('event, parameters', [
     ('tare', '{}'), ('tare', '{"force_bias": "abc"}'), ('tare', '{"force_bias": NaN}'),
     ('robot_description', '{}'), ('arm_ready', '{"wrench_ns": 1}'),
-    ('static_transforms', '{"transforms": [["a", "b", 1]]}'), ('reset', '[' * 100_000),
-])
+    ('static_transforms', '{"transforms": [["a", "b", 1]]}'), ('reset', '[' * 100_000)])
 def test_recorded_event_that_cannot_be_repeated_is_refused(event: str, parameters: str) -> None:
     text = (f'{{"event": "{event}", "after_stamp_ns": 0, "time_jumps": 0, '
             f'"parameters": {parameters}}}')
@@ -198,9 +192,7 @@ def test_chunk_beyond_the_limit_is_refused(
 
 
 @pytest.mark.parametrize('compression', [CompressionType.ZSTD, CompressionType.LZ4])
-def test_chunk_that_holds_more_than_it_states_is_damage(
-    tmp_path: Path, compression: Any
-) -> None:
+def test_chunk_that_holds_more_than_it_states_is_damage(tmp_path: Path, compression: Any) -> None:
     content = bytearray(plain_file(
         tmp_path / 'a.mcap', compression=compression, finish=False).read_bytes())
     name = content.rindex(compression.name.lower().encode())
@@ -308,8 +300,7 @@ def moved(places: tuple[float, ...], **changes: Any) -> Signals:
     reference[0] += now
     reference[1] += (after - before) / (2.0 * h)
     reference[2] += (after - 2.0 * now + before) / h**2
-    return s._replace(
-        position=s.position + shift_of(s.joint_t, places), reference=reference)
+    return s._replace(position=s.position + shift_of(s.joint_t, places), reference=reference)
 
 
 def surfaces(signals: Signals) -> Surfaces:

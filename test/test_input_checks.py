@@ -3,8 +3,6 @@
 
 """Each common mistake is named with its remedy, and no confident estimate is given beside it."""
 
-from __future__ import annotations
-
 from math import isfinite, isnan, nan
 import re
 from typing import Any, Callable, Sequence
@@ -108,8 +106,7 @@ def yielding(force: float, position: float) -> Change:
 @pytest.mark.parametrize('force, position, text', [
     (1.0, 1.0, ''), (-1.0, 1.0, 'set force_sign to -1'),
     (1.0, -1.0, 'presses with .* change the sign of the position'),
-    (-1.0, -1.0, 'is pulled with .* change the sign of the position and set force_sign to -1'),
-])
+    (-1.0, -1.0, 'is pulled with .* change the sign of the position and set force_sign to -1')])
 def test_signs_of_a_wall_that_yields_are_told_by_its_touch(
     force: float, position: float, text: str
 ) -> None:

@@ -3,8 +3,6 @@
 
 """Remedies of an arm, rejected messages and stamps, and checks that never raise."""
 
-from __future__ import annotations
-
 from collections import Counter
 from math import degrees, inf, nan
 from types import SimpleNamespace
@@ -71,8 +69,7 @@ def test_an_arm_has_the_remedies_of_an_arm(
     ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
     ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),
     ({'joint_missing': 4}, 'joint_missing', '3 s behind'),
-    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate'),
-])
+    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate')])
 def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part: str) -> None:
     texts = {'wrench_frame_id': 'set frame_id',
              'joint_states_joint_unknown': 'choose one of these'}
@@ -164,10 +161,9 @@ def test_every_check_returns_a_text_or_none(seen: Evidence) -> None:
 
 
 @pytest.mark.parametrize('change', [
-    lambda k, s: s._replace(force=-27.0),
-    lambda k, s: s._replace(position=0.003, velocity=0.0, force=-27.0),
-    lambda k, s: s._replace(stamp_ns=s.stamp_ns - s.stamp_ns % 10_000_000 + 2000 * (k % 5)),
-])
+    lambda k, s: s._replace(force=-27.0), lambda k,
+    s: s._replace(position=0.003, velocity=0.0, force=-27.0), lambda k,
+    s: s._replace(stamp_ns=s.stamp_ns - s.stamp_ns % 10_000_000 + 2000 * (k % 5))])
 def test_a_session_judges_frozen_signals_and_bursts(change: Any) -> None:
     pipeline = EstimationPipeline()
     checks = InputChecks(EstimationParameters(), {'x': pipeline})

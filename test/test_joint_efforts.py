@@ -3,8 +3,6 @@
 
 """Force without a force sensor: the wrench at the contact from the torques of the joints."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import json
 from pathlib import Path
@@ -67,8 +65,7 @@ def force_error(results: Sequence[Result]) -> float:
 
 def test_friction_of_the_description_takes_the_error_out_of_the_force() -> None:
     # Frictionless; friction as diagnose finds it, 10 % off, with masses 2 % off; the true one.
-    errors = [force_error(run_once(*share)[1])
-              for share in ((0.0, 1.0), (1.1, 1.02), (1.0, 1.0))]
+    errors = [force_error(run_once(*share)[1]) for share in ((0.0, 1.0), (1.1, 1.02), (1.0, 1.0))]
     assert errors[0] > 30.0 and errors[1] < 7.0 and errors[2] < 1.5
 
 
@@ -155,8 +152,7 @@ def test_diagnosis_reads_the_same_force(recorded: Path) -> None:
 
 @pytest.mark.parametrize('changes, text', [
     ({'kinematics.tip': ''}, 'wrench_source joint_efforts needs an arm'),
-    ({'force_sensor.axes': 'base'}, 'leave out force_sensor.frame'),
-])
+    ({'force_sensor.axes': 'base'}, 'leave out force_sensor.frame')])
 def test_parameters_that_contradict_each_other_are_refused(
     changes: dict[str, Any], text: str
 ) -> None:

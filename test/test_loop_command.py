@@ -3,8 +3,6 @@
 
 """The command `loop`, and its summary."""
 
-from __future__ import annotations
-
 import json
 from math import sin
 from pathlib import Path
@@ -28,10 +26,9 @@ import pytest
 from ros_processes import Finished, ModuleProcess, run_module, wait_until
 
 KEYS = [
-    'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
-    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'eq20_force_n', 'model_fit',
-    'model_fit_worst', 'rate_hz', 'samples_sent', 'samples_lost', 'latency_ms', 'disturbed',
-]
+    'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent', 'damping_error_percent',
+    'mean_force_n', 'desired_force_n', 'eq20_force_n', 'model_fit', 'model_fit_worst', 'rate_hz',
+    'samples_sent', 'samples_lost', 'latency_ms', 'disturbed']
 EXPERIMENT = """
 start: -0.005
 segments:
@@ -89,8 +86,7 @@ def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
     summary = whole.summary
     assert summary['stiffness'] == pytest.approx(4800.0, rel=0.05)
     assert summary['stiffness_error_percent'] == pytest.approx(
-        100.0 * (summary['stiffness'] / 4800.0 - 1.0)
-    )
+        100.0 * (summary['stiffness'] / 4800.0 - 1.0))
     assert abs(summary['damping_error_percent']) < 15.0
 
 
@@ -117,8 +113,7 @@ def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> 
     estimates = [estimate for batch in replay.estimates() for estimate, in batch]
     plant = json.loads((whole.folder / 'plant_summary.json').read_text())
     last = {e.stamp_ns: e for e in estimates}[plant['last_contact_stamp_ns']]
-    assert (last.stiffness, last.damping) == (whole.summary['stiffness'],
-                                              whole.summary['damping'])
+    assert (last.stiffness, last.damping) == (whole.summary['stiffness'], whole.summary['damping'])
 
 
 @pytest.mark.slow

@@ -3,8 +3,6 @@
 
 """Messages are written as rosbags and rclpy write them, and read back whatever their structure."""
 
-from __future__ import annotations
-
 from itertools import product
 import math
 from typing import Any, Callable
@@ -20,8 +18,7 @@ import numpy as np
 import pytest
 from reference_messages import (
     deserialized, FLOAT64, joint_state_bytes, JOINTS, new, serialized, STRING, TRAJECTORY,
-    trajectory_bytes, vector_bytes, WRENCH, wrench_bytes,
-)
+    trajectory_bytes, vector_bytes, WRENCH, wrench_bytes)
 
 FRAMES = ['abcdefghi'[:n] for n in range(10)]
 NAMES = ['x', 'xyz', 'x_axis', 'contact_x']
@@ -145,15 +142,12 @@ def test_trajectories_of_every_structure_agree_with_rosbags(foreign: Foreign) ->
     for frame_length in range(10):
         rng = np.random.default_rng(frame_length)
         fields = ('positions', 'velocities', 'accelerations', 'effort')
-        for joints, points, filled in product(
-            (1, 2), (1, 3), product((True, False), repeat=3)
-        ):
+        for joints, points, filled in product((1, 2), (1, 3), product((True, False), repeat=3)):
             names = ['j' * (frame_length + k) for k in range(1, joints + 1)]
             made = [
                 {field: rng.normal(size=joints * present).tolist()
                  for field, present in zip(fields, (True, *filled))}
-                for _ in range(points)
-            ]
+                for _ in range(points)]
             raw = trajectory_bytes(names, made, stamp_ns=7, frame_id='f' * frame_length)
             reading = TrajectoryDecoder(names[-1]).decode(foreign(raw, TRAJECTORY))
             expected = [made[0][f][-1] if made[0][f] else math.nan for f in fields]
@@ -178,8 +172,7 @@ def flat(values: Any) -> list[Any]:
 @pytest.mark.parametrize('make, decoder', [
     (lambda k: wrench_bytes((k, 2 * k, 3 * k), stamp_ns=k, frame_id='tool'), WrenchDecoder()),
     (lambda k: joint_state_bytes(['x'], [k], [2 * k], stamp_ns=k), JointsDecoder([''])),
-    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), JointsDecoder(['x'])),
-])
+    (lambda k: joint_state_bytes(['x'], [k], stamp_ns=k), JointsDecoder(['x']))])
 def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     raws = [make(k * 10**8) for k in range(50)]
     columns = flat(decoder.decode_many(raws))
@@ -200,8 +193,7 @@ def test_batches_equal_single_messages(make: Any, decoder: Any) -> None:
     (TrajectoryDecoder('z'), trajectory_bytes(['x', 'y'], [{'positions': [1.0, 2.0]}]),
      'joint_unknown'),
     (TrajectoryDecoder('y'), trajectory_bytes(['x', 'y'], [{'positions': [1.0]}]),
-     'trajectory_empty'),
-])
+     'trajectory_empty')])
 def test_trouble_with_joints_has_the_same_reason_each_time(
     decoder: Any, raw: bytes, reason: str
 ) -> None:
@@ -214,8 +206,7 @@ def test_trouble_with_joints_has_the_same_reason_each_time(
 @pytest.mark.parametrize('decoder, good', [
     (WrenchDecoder(), wrench_bytes((1, 2, 3), frame_id='tool0')),
     (JointStateDecoder(), joint_state_bytes(['x'], [1.0], [2.0], [3.0])),
-    (TrajectoryDecoder(), trajectory_bytes(['x'], [{'positions': [1.0]}])),
-])
+    (TrajectoryDecoder(), trajectory_bytes(['x'], [{'positions': [1.0]}]))])
 def test_message_cut_anywhere_is_malformed(decoder: Any, good: bytes) -> None:
     expected = decoder.decode(good)
     for size in range(len(good)):

@@ -3,8 +3,6 @@
 
 """A nominal model with physics: these are recalibrated, and names are what lacks beyond."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from pathlib import Path
 from typing import Any

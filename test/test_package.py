@@ -121,8 +121,7 @@ def output_of(code: str, **environment: str) -> str:
 @pytest.mark.parametrize('given, one, run', [
     ({}, True, 'from contact_estimation.executables import simulate; simulate()'),
     ({'OMP_NUM_THREADS': '3'}, False, 'import runpy; '
-     'runpy.run_module("contact_estimation.commands.simulate", run_name="__main__")'),
-])
+     'runpy.run_module("contact_estimation.commands.simulate", run_name="__main__")')])
 def test_commands_compute_on_one_thread_unless_the_user_chooses(
     run: str, given: dict[str, str], one: bool
 ) -> None:
@@ -160,8 +159,7 @@ def test_console_scripts_point_to_functions(setup_arguments: dict[str, Any]) -> 
 @pytest.mark.parametrize('module', [
     'commands.calibrate_tool', 'commands.convert', 'commands.diagnose', 'commands.fleet',
     'commands.loop', 'commands.replay', 'commands.simulate', 'commands.watch',
-    'studies.blind_trials.command', 'studies.reproduce',
-])
+    'studies.blind_trials.command', 'studies.reproduce'])
 def test_help_of_a_command_explains_every_option(module: str) -> None:
     parser = import_module(f'contact_estimation.{module}').make_parser()
     assert all(action.help for action in parser._actions)

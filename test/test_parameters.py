@@ -3,8 +3,6 @@
 
 """Parameters: declared once, read from files, generated as configuration, and launched."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -88,8 +86,7 @@ def test_every_default_is_valid(cls: type[ParameterGroup]) -> None:
 
 
 @pytest.mark.parametrize('name, nearest', [
-    ('inner.gian', 'inner.gain'), ('cuont', 'count'), ('inner.optionl', 'inner.optional'),
-])
+    ('inner.gian', 'inner.gain'), ('cuont', 'count'), ('inner.optionl', 'inner.optional')])
 def test_unknown_name_suggests_the_nearest(name: str, nearest: str) -> None:
     with pytest.raises(UnknownNameError, match=f"unknown parameter '{name}'; .*'{nearest}'"):
         build(Outer, {name: 1.0})
@@ -98,11 +95,8 @@ def test_unknown_name_suggests_the_nearest(name: str, nearest: str) -> None:
 @pytest.mark.parametrize('name, said', [
     ('inner.zzz', 'known in inner: gain, '), ('inner.gian', "did you mean 'inner.gain'"),
     ('innner.gain', "did you mean 'inner.gain'"), ('inner.gain.x', "did you mean 'inner.gain'"),
-    ('inner.zzz', "'inner.zzz'; known"), ('zzz.gain', 'known: count, fixed, inner, '),
-])
-def test_unknown_dotted_name_is_told_the_group_in_which_it_is_wrong(
-    name: str, said: str
-) -> None:
+    ('inner.zzz', "'inner.zzz'; known"), ('zzz.gain', 'known: count, fixed, inner, ')])
+def test_unknown_dotted_name_is_told_the_group_in_which_it_is_wrong(name: str, said: str) -> None:
     with pytest.raises(UnknownNameError) as caught:
         build(Outer, {name: 1.0})
     assert said in str(caught.value)

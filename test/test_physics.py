@@ -3,8 +3,6 @@
 
 """Effects: their laws against formulas, and their contract."""
 
-from __future__ import annotations
-
 import dataclasses
 from functools import lru_cache
 import math
@@ -47,8 +45,7 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'actuator_saturation': {'physics__actuator_saturation__limit': 1e5},
     'torque_saturation': {'physics__torque_saturation__limit': 1e9},
 }
-WITHOUT_DAMPING = {name for name, cls in EFFECTS.items()
-                   if 'damper' in cls.changes}
+WITHOUT_DAMPING = {name for name, cls in EFFECTS.items() if 'damper' in cls.changes}
 PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': RobotEffect}
 
 

@@ -3,8 +3,6 @@
 
 """The plant: world, driven wall, and the laws of effects in it."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 from typing import Any, Callable
 
@@ -98,8 +96,7 @@ def measured(count: int = 3000, **values: Any) -> NDArray[np.float64]:
     """Measure 12.3 mm, 0.2 m/s and -49 N, which the sensor takes for -50 N; (count, 3)."""
     sensors = Sensors(plant_with(**values))
     return np.array([
-        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -49.0, -50.0)) for k in range(count)
-    ])
+        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -49.0, -50.0)) for k in range(count)])
 
 
 @pytest.mark.parametrize('off, column', [('force', 0), ('position', 1), ('velocity', 2)])

@@ -3,8 +3,6 @@
 
 """Recordings are read whole, damaged, and by rosbags."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess
@@ -74,8 +72,7 @@ def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path: Path) -> None:
     plain_file(folder / 'bag_0.mcap', 20)
     (folder / 'metadata.yaml').write_text(
         'rosbag2_bagfile_information: {version: 9, storage_identifier: mcap, '
-        'relative_file_paths: [bag_1.mcap, bag_0.mcap]}'
-    )
+        'relative_file_paths: [bag_1.mcap, bag_0.mcap]}')
     assert numbers(RecordingReader(folder)) == [*range(10), *range(20)]
 
 
@@ -96,8 +93,7 @@ def test_missing_topic_lists_those_that_are_there(tmp_path: Path) -> None:
 def test_reading_imports_neither_estimators_nor_rosbags() -> None:
     code = (
         'import sys, contact_estimation.recordings.recorded_signals; '
-        'print([m for m in sys.modules if m.startswith(("contact_estimation.esti", "rosbags"))])'
-    )
+        'print([m for m in sys.modules if m.startswith(("contact_estimation.esti", "rosbags"))])')
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
     done = subprocess.run([sys.executable, '-c', code], env=environment, check=True,
                           stdout=subprocess.PIPE)
@@ -106,8 +102,7 @@ def test_reading_imports_neither_estimators_nor_rosbags() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize('compression, chunked', [
-    (CompressionType.ZSTD, True), (CompressionType.NONE, True), (CompressionType.NONE, False),
-])
+    (CompressionType.ZSTD, True), (CompressionType.NONE, True), (CompressionType.NONE, False)])
 def test_cut_anywhere_keeps_all_complete_chunks(
     tmp_path: Path, compression: Any, chunked: Any
 ) -> None:
@@ -151,8 +146,7 @@ def test_garbage_anywhere_is_survived(tmp_path: Path, chunked: Any, change: Any)
     (b'', 'is empty'),
     (b'just some text', 'no MCAP file: expected .* got'),
     (b'#ROSBAG V2.0\n', 'ROS 1 bag'),
-    (b'\x89MCAP', 'no MCAP file'),
-])
+    (b'\x89MCAP', 'no MCAP file')])
 def test_files_that_are_no_recording_are_named(tmp_path: Path, content: Any, text: Any) -> None:
     (tmp_path / 'a.mcap').write_bytes(content)
     with pytest.raises(RecordingError, match=text) as caught:

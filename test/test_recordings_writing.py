@@ -61,8 +61,7 @@ def test_rosbags_reads_every_message_of_a_folder(folder: Any) -> None:
         forces = [
             reader.deserialize(raw, connection.msgtype).wrench.force.x
             for connection, _, raw in reader.messages(reader.connections)
-            if connection.topic == '/wrench'
-        ]
+            if connection.topic == '/wrench']
     assert forces == list(range(1000))
 
 

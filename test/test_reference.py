@@ -3,8 +3,6 @@
 
 """The reference: its laws, its safety whatever comes, and under storms of messages."""
 
-from __future__ import annotations
-
 from math import inf, isfinite, nan, ulp
 from typing import Any, Callable
 
@@ -50,8 +48,7 @@ def test_series_gives_the_wanted_force() -> None:
 
 def test_force_tracking_gives_the_wanted_force() -> None:
     run = closed_loop(
-        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6
-    )
+        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6)
     assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
 
 
@@ -71,19 +68,13 @@ def sine_force(t: float) -> float:
 
 
 def play(
-    of: ReferenceGenerator,
-    begin: int,
-    end: int,
-    force: Callable[[float], float] = sine_force,
-    contact: bool = True,
-    K_hat: float = K,
-    x_d: float = 0.0204,
+    of: ReferenceGenerator, begin: int, end: int, force: Callable[[float], float] = sine_force,
+    contact: bool = True, K_hat: float = K, x_d: float = 0.0204,
 ) -> list[Reference]:
     """Step a generator through samples `begin` to `end`, with a resting x_d."""
     return [
         of.step(T * k, T, Desired(x_d, 0.0, 0.0, force(T * k)), contact, 0.0, K_hat)
-        for k in range(begin, end)
-    ]
+        for k in range(begin, end)]
 
 
 def generator(law: str = 'eq20', **parameters: float) -> ReferenceGenerator:
@@ -155,10 +146,9 @@ COMMON = st.floats(-0.05, 0.05)
 HOSTILE = COMMON | ANY
 WANTED = st.builds(Desired, HOSTILE, HOSTILE, HOSTILE, st.floats(0.0, 100.0) | ANY)
 LIMITS = st.builds(
-    ReferenceParameters,
-    stiffness_floor=st.floats(1e-3, 1e4), maximum_velocity=st.floats(1e-6, 10.0),
-    fade_s=st.floats(1e-3, 60.0), maximum_force_rate=st.floats(0.0, 1e6),
-)
+    ReferenceParameters, stiffness_floor=st.floats(1e-3, 1e4),
+    maximum_velocity=st.floats(1e-6, 10.0), fade_s=st.floats(1e-3, 60.0),
+    maximum_force_rate=st.floats(0.0, 1e6))
 always_the_same = settings(
     derandomize=True, database=None, deadline=None, max_examples=200,
     phases=(Phase.explicit, Phase.generate),  # shrinking takes minutes
@@ -248,8 +238,7 @@ def test_no_sequence_of_events_breaks_a_limit(pauses: list[tuple[Event, int]]) -
     ([Event('shift', -3.0, 'wrench')], {'wrench_past_stamp': 1}, 0),
     ([Event('shift', 1e4)] * (CONFIRMING - 1),
      {'joint_future_stamp': CONFIRMING - 1, 'wrench_future_stamp': CONFIRMING - 1}, 0),
-    ([Event('clock', -3600.0)], {}, 1), ([Event('clock', 3600.0)], {}, 0),
-])
+    ([Event('clock', -3600.0)], {}, 1), ([Event('clock', 3600.0)], {}, 0)])
 def test_false_stamps_are_counted_and_only_a_clock_that_stays_is_followed(
     events: list[Event], reasons: dict[str, int], jumps: int
 ) -> None:

@@ -3,8 +3,6 @@
 
 """The command replay: its output files, and one line on stderr for unreadable input."""
 
-from __future__ import annotations
-
 import json
 from math import isnan
 from pathlib import Path
@@ -78,9 +76,7 @@ def test_csv_has_one_row_per_sample_with_exact_numbers(
         assert status == estimate.status.value
 
 
-def test_json_has_the_documented_keys(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
+def test_json_has_the_documented_keys(recording: Path, tmp_path: Path, command: Command) -> None:
     assert command(recording, '--json', tmp_path / 'a.json').code == 0
     summary = json.loads((tmp_path / 'a.json').read_text())
     assert {
@@ -92,9 +88,7 @@ def test_json_has_the_documented_keys(
     assert summary['recorded_s'] == pytest.approx(0.002 * (len(SAMPLES) - 1))
 
 
-def test_mcap_output_is_read_by_rosbags(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
+def test_mcap_output_is_read_by_rosbags(recording: Path, tmp_path: Path, command: Command) -> None:
     rosbags = pytest.importorskip('rosbags.highlevel')
     store = pytest.importorskip('rosbags.typesys')
     assert command(recording, '--output', tmp_path / 'out.mcap').code == 0
@@ -103,8 +97,7 @@ def test_mcap_output_is_read_by_rosbags(
         connections = [c for c in reader.connections if c.topic == '/estimator_node/stiffness']
         vectors = [
             reader.deserialize(raw, c.msgtype).vector
-            for c, _, raw in reader.messages(connections)
-        ]
+            for c, _, raw in reader.messages(connections)]
     assert [vector.x for vector in vectors] == [e.stiffness for e in expected()]
     assert all(isnan(vector.y) and isnan(vector.z) for vector in vectors)
 
@@ -119,8 +112,7 @@ def test_existing_mcap_output_is_refused(
 
 @pytest.mark.parametrize('name, content', [
     ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''),
-    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None),
-])
+    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None)])
 def test_what_may_be_a_recording_is_never_overwritten(
     recording: Path, tmp_path: Path, command: Command, name: str, content: bytes | None
 ) -> None:
@@ -135,9 +127,8 @@ def test_what_may_be_a_recording_is_never_overwritten(
 def test_topics_and_axis_can_be_chosen(tmp_path: Path, command: Command) -> None:
     path = write_recording(tmp_path / 'a.mcap', '/fts/wrench', '/robot/joints', axis=2)
     ended = command(
-        path, '--topic', 'wrench:=/fts/wrench', '--topic', 'joint_states:=/robot/joints',
-        '--axis', 'z', '--joint', 'contact_x', '--json', tmp_path / 'a.json',
-    )
+        path, '--topic', 'wrench:=/fts/wrench', '--topic', 'joint_states:=/robot/joints', '--axis',
+        'z', '--joint', 'contact_x', '--json', tmp_path / 'a.json')
     assert ended.code == 0
     summary = json.loads((tmp_path / 'a.json').read_text())
     assert summary['stiffness'] == expected()[-1].stiffness
@@ -156,9 +147,7 @@ def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
     assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
 
 
-def test_missing_topic_is_named_with_the_available_ones(
-    tmp_path: Path, command: Command
-) -> None:
+def test_missing_topic_is_named_with_the_available_ones(tmp_path: Path, command: Command) -> None:
     path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
     line = command.refusal(path)
     assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
@@ -169,8 +158,7 @@ def test_missing_topic_is_named_with_the_available_ones(
     ('estimator_node: 5', 'ros__parameters'),
     ('estimator_node: {ros__parameters: {estimater: rls}}', "did you mean 'estimator'"),
     ('estimator_node: {ros__parameters: {sample_rate: -1.0}}', 'sample_rate'),
-    ('estimator_node: {ros__parameters: {sample_rate: fast}}', 'sample_rate'),
-])
+    ('estimator_node: {ros__parameters: {sample_rate: fast}}', 'sample_rate')])
 def test_wrong_parameter_file_is_refused(
     recording: Path, tmp_path: Path, command: Command, text: str, part: str
 ) -> None:
@@ -182,8 +170,7 @@ def test_wrong_parameter_file_is_refused(
 def test_process_prints_one_line_and_no_traceback(tmp_path: Path) -> None:
     run = subprocess.run(
         [sys.executable, '-m', 'contact_estimation.commands.replay', 'nowhere.mcap'],
-        capture_output=True, text=True,
-    )
+        capture_output=True, text=True)
     assert (run.returncode, run.stdout) == (1, '')
     assert len(run.stderr.splitlines()) == 1
 

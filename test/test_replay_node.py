@@ -3,8 +3,6 @@
 
 """Replay gives what the node has published, to the bit, whatever was done to the node."""
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 import signal
@@ -51,8 +49,7 @@ class Recording:
 
         def complete() -> bool:
             """Send some more samples, enough to be believed after a silence, and look."""
-            peer.feed([
-                ContactSample(next(stamps), -0.01, 0.0, 0.0) for _ in range(CONFIRMING)])
+            peer.feed([ContactSample(next(stamps), -0.01, 0.0, 0.0) for _ in range(CONFIRMING)])
             return all(peer.heard[name] for name in VALUES) and self._topics() >= WANTED
 
         peer.spin_until(complete, 'every topic in the recording')

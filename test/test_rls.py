@@ -3,8 +3,6 @@
 
 """Recursive least squares, with adaptive forgetting, and with instruments."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any
 
@@ -36,8 +34,7 @@ J = np.array([  # eq. (39): (K_e, B_e, M_e) of (A, B, C)
 def estimator(**tuning: Any) -> RecursiveLeastSquares:
     """Make an estimator with the default first guess."""
     return RecursiveLeastSquares(
-        RecursiveLeastSquaresParameters(**tuning), EnvironmentParameters(), T
-    )
+        RecursiveLeastSquaresParameters(**tuning), EnvironmentParameters(), T)
 
 
 def signals(count: int, noise: float = 0.0, B_e: float = B) -> NDArray[np.float64]:
@@ -112,8 +109,7 @@ STIFFNESS, DAMPING, TIMES, FORCE_STD = 4800.0, 200.0, 0.002, 0.58
 def adaptive(**tuning: Any) -> AdaptiveLeastSquares:
     """Make an adaptive with the default first guess."""
     return AdaptiveLeastSquares(
-        AdaptiveLeastSquaresParameters(**tuning), EnvironmentParameters(), TIMES
-    )
+        AdaptiveLeastSquaresParameters(**tuning), EnvironmentParameters(), TIMES)
 
 
 def rows_with(count: int) -> NDArray[np.float64]:
@@ -142,9 +138,7 @@ def test_damping_is_at_least_twice_as_quiet_as_with_fixed_forgetting() -> None:
 def test_without_forgetting_it_is_batch_least_squares_with_the_prior() -> None:
     rows, prior = rows_with(400), np.array([2000.0, 100.0])  # which stays clear of all limits
     of = adaptive(
-        smallest_forgetting_factor=1.0, inertia_std=0.0,
-        stiffness_std=2000.0, damping_std=100.0,
-    )
+        smallest_forgetting_factor=1.0, inertia_std=0.0, stiffness_std=2000.0, damping_std=100.0)
     for row in rows.tolist():
         learn(of, TIMES, row, 0.25)
     phi = np.vstack([rows[:, 1:3] / 0.5, np.diag(1.0 / prior)])
@@ -162,8 +156,7 @@ POSITION_NOISE = 1e-4
 def instrumental(**tuning: Any) -> InstrumentalVariable:
     """Make an estimator with the default first guess."""
     return InstrumentalVariable(
-        InstrumentalVariableParameters(**tuning), EnvironmentParameters(), T_IV
-    )
+        InstrumentalVariableParameters(**tuning), EnvironmentParameters(), T_IV)
 
 
 def rows_on(count: int, noise: float = 0.5, seed: int = 10) -> NDArray[np.float64]:
@@ -209,13 +202,11 @@ def test_the_estimate_is_that_of_the_wall_behind_a_compliant_robot(K_e: float) -
     samples = [
         s._replace(position=s.position - C * s.force, velocity=float('nan'))
         for s in contact_samples(2.0, K_e=K_e, B_e=K_e * 2e-3, depth=50.0 / K_e,
-                                 amplitude=10.0 / K_e)
-    ]
+                                 amplitude=10.0 / K_e)]
     plain, known = (
         estimates_of(samples, pipeline_with(
             estimator='rls_adaptive', contact__force_noise=1e-3, robot__compliance=compliance))[-1]
-        for compliance in (0.0, C)
-    )
+        for compliance in (0.0, C))
     assert plain.stiffness == pytest.approx(K_e / (1.0 + C * K_e), rel=3e-3)
     assert known.stiffness == pytest.approx(K_e, rel=3e-3)
     assert known.damping == pytest.approx(K_e * 2e-3, rel=0.1)
@@ -233,8 +224,7 @@ BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
     ((0.0, 0.0, 0.08), 0.04, -0.02),  # back into it
     ((0.0, 0.0, 0.0), 0.04, None),  # further out than the lead
     ((0.0, 1.5, 0.3), 0.01, None),  # beside it
-    ((0.0, 0.0, 0.3), nan, None),
-])
+    ((0.0, 0.0, 0.3), nan, None)])
 def test_steps_stay_within_lead_and_box(
     position: tuple[float, ...], step: float, expected: float | None
 ) -> None:

@@ -3,8 +3,6 @@
 
 """Kinematics of a description, and arms in recordings."""
 
-from __future__ import annotations
-
 import json
 from math import nan
 from pathlib import Path
@@ -70,8 +68,7 @@ def test_only_the_joints_between_base_and_tip_are_asked_for(model: RobotModel) -
 @pytest.mark.parametrize('base, tip, text', [
     ('base_link', 'tol', "unknown link .* 'tol'; did you mean 'tool'"),
     ('world', 'base_link', 'no joint moves kinematics.tip'),
-    ('finger', 'tool', 'finger_joint moves the base and not the tip'),
-])
+    ('finger', 'tool', 'finger_joint moves the base and not the tip')])
 def test_frames_that_cannot_serve_are_named(base: str, tip: str, text: str) -> None:
     pytest.importorskip('pinocchio')
     with pytest.raises((ModelFileError, UnknownNameError), match=text):
@@ -120,8 +117,7 @@ def test_parts_with_other_stamps_are_interpolated_to_the_one_behind() -> None:
 
 TOOL = ToolParameters(
     mass=1.2, centre=(0.01, -0.02, 0.06), force_bias=(1.0, -2.0, 3.0),
-    torque_bias=(0.1, 0.2, -0.3),
-)
+    torque_bias=(0.1, 0.2, -0.3))
 w0, w1 = np.array([0.5, -1.0, 2.0]), np.array([-3.0, 1.5, 0.7])
 
 

@@ -3,8 +3,6 @@
 
 """The node on an arm with revolute joints, over DDS."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Iterator
 

@@ -3,8 +3,6 @@
 
 """Bad input: the node survives, goes on, and counts what it could not use."""
 
-from __future__ import annotations
-
 from math import inf, nan
 from typing import Any, Callable, Iterator
 
@@ -20,8 +18,7 @@ from ros_messages import (
     session_results,
     to_stamp,
     trajectory,
-    wrench,
-)
+    wrench)
 from ros_peer import estimator_and_peer, Peer
 
 pytestmark = pytest.mark.slow
@@ -42,8 +39,7 @@ def bad_wrench(shift_ns: int, force: float, frame_id: str = 'tool') -> Send:
 def bad_joint(shift_ns: int, position: float, *names: str) -> Send:
     """Send a joint state so long after the last good sample."""
     return lambda peer, last: peer.joints.publish(
-        joint_state(last + shift_ns, position, 0.0, names or (JOINT,))
-    )
+        joint_state(last + shift_ns, position, 0.0, names or (JOINT,)))
 
 
 def empty_joint(*names: str) -> Send:
@@ -74,8 +70,7 @@ BAD = [
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
     yield from estimator_and_peer(
-        tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0
-    )
+        tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0)
 
 
 @pytest.fixture
@@ -85,9 +80,7 @@ def peer(shared: Peer) -> Peer:
 
 
 @pytest.mark.parametrize('reason, send', BAD, ids=[f'{k}-{v[0]}' for k, v in enumerate(BAD)])
-def test_bad_message_is_counted_and_changes_nothing(
-    peer: Peer, reason: str, send: Send
-) -> None:
+def test_bad_message_is_counted_and_changes_nothing(peer: Peer, reason: str, send: Send) -> None:
     before = peer.rejections().get(reason, 0)
     samples = moved(TOUCH, peer.begin_ns)
     peer.feed(samples[:CUT])
@@ -103,8 +96,7 @@ def test_silence_makes_the_diagnostics_an_error(peer: Peer) -> None:
     peer.diagnosed(
         lambda status, _: status.level == DiagnosticStatus.ERROR
         and status.message.startswith('no wrench for'),
-        'silence',
-    )
+        'silence')
 
 
 def test_diagnostics_carry_the_figures_of_the_contract(peer: Peer) -> None:

@@ -3,8 +3,6 @@
 
 """What the running node publishes for what it gets."""
 
-from __future__ import annotations
-
 from math import isnan
 from typing import Iterator
 
@@ -62,9 +60,7 @@ def test_status_is_published_on_change_alone(peer: Peer) -> None:
     assert all(one != next_one for one, next_one in zip(statuses, statuses[1:]))
 
 
-def test_laws_of_the_wall_are_published_on_change_and_stand_in_the_diagnostics(
-    peer: Peer
-) -> None:
+def test_laws_of_the_wall_are_published_on_change_and_stand_in_the_diagnostics(peer: Peer) -> None:
     peer.feed(moved(LONG, peer.begin_ns))
     told = [message.data.split() for message in peer.heard['wall_law'].values()]
     assert 1 < len(told) < 30
@@ -108,9 +104,7 @@ def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
 
 
 @pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])
-def test_force_law_holds_in_contact_with_effort(
-    peer: Peer, law: str, K_t: float | None
-) -> None:
+def test_force_law_holds_in_contact_with_effort(peer: Peer, law: str, K_t: float | None) -> None:
     peer.change(reference_law=law, reference__robot_stiffness=K_t or 5000.0)
     samples = moved(LONG, peer.begin_ns)
     peer.wish(peer.begin_ns, -0.01, 30.0)

@@ -3,8 +3,6 @@
 
 """Three force axes at once, over DDS."""
 
-from __future__ import annotations
-
 from typing import Any, Iterator
 
 from axes_runs import (

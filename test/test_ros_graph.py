@@ -3,8 +3,6 @@
 
 """Publishers, nodes and signals: what a node says of its surroundings and its end."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys
@@ -92,9 +90,8 @@ sys.exit(run_node(Interrupted, 'a node', [], []))
 @pytest.mark.parametrize('name', ['SIGINT', 'SIGTERM'])
 def test_interrupted_node_can_publish_until_it_has_stopped(tmp_path: Path, name: str) -> None:
     finished = subprocess.run(
-        [sys.executable, '-c', NODE.replace('{name}', name)],
-        env=environment(tmp_path), capture_output=True, text=True,
-    )
+        [sys.executable, '-c', NODE.replace('{name}', name)], env=environment(tmp_path),
+        capture_output=True, text=True)
     assert (finished.returncode, finished.stdout, finished.stderr) == (0, 'stopped\n', '')
 
 

@@ -3,8 +3,6 @@
 
 """The node on an arm without a force sensor, over DDS."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from contact_estimation.parameters import build

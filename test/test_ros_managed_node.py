@@ -3,8 +3,6 @@
 
 """The managed node, and topics published only while somebody subscribes."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 import time
@@ -121,8 +119,7 @@ def test_optional_topic_is_published_while_somebody_subscribes(
     assert count_of_one() == 0
     topic = f'{node.node.get_name()}/{name}'
     subscription = node.node.create_subscription(
-        TYPES.get(name, Vector3Stamped), topic, lambda _: None, 10
-    )
+        TYPES.get(name, Vector3Stamped), topic, lambda _: None, 10)
     wait_until(publisher.get_subscription_count, 'the subscriber')
     assert count_of_one() == 1
     node.node.destroy_subscription(subscription)

@@ -3,8 +3,6 @@
 
 """What the estimator node says of itself: log, diagnostics, latched status, quality of service."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import signal
 from typing import Any, Iterator
@@ -41,8 +39,7 @@ def test_far_wall_is_a_warning_in_log_and_diagnostics_until_set_location(
             and SAID in status.message, 'a far wall')
         assert peer.statuses()[-1] == 'estimating'
         assert peer.trigger('set_location').success
-        assert peer.get(['environment.location']) == {
-            'environment.location': FAR[-1].position}
+        assert peer.get(['environment.location']) == {'environment.location': FAR[-1].position}
         peer.diagnosed(lambda status, _: 'the surface is' not in status.message, 'no far wall')
         late: list[str] = []
         peer.node.create_subscription(

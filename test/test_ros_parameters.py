@@ -3,8 +3,6 @@
 
 """The parameter services of the running node, over all parameters that the dataclasses have."""
 
-from __future__ import annotations
-
 from math import isfinite, isnan, nan
 from typing import Any, Iterator
 
@@ -17,9 +15,7 @@ from ros_peer import estimator_and_peer, Peer
 
 pytestmark = pytest.mark.slow
 
-SPECIFICATIONS = [
-    *specifications(EstimationParameters), *specifications(EstimatorNodeParameters)
-]
+SPECIFICATIONS = [*specifications(EstimationParameters), *specifications(EstimatorNodeParameters)]
 # Tool and target pose need an arm: see test_ros_arm.py.
 CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only
               and not spec.name.startswith(('tool.', 'publish_target_pose'))]

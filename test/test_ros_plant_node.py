@@ -3,8 +3,6 @@
 
 """The plant node, and the recorder."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import signal
@@ -191,8 +189,7 @@ def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path)
     assert json.loads(recorded['estimator']) == 'rls'
     texts = [
         decode_string(m.data)
-        for m in RecordingReader(folder).messages(['estimator_node/events'])
-    ]
+        for m in RecordingReader(folder).messages(['estimator_node/events'])]
     assert [json.loads(text)['event'] for text in texts] == ['start', 'set_parameters']
     status, = RecordingReader(folder).messages(['estimator_node/status'])
     assert decode_string(status.data) == 'free'

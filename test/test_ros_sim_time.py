@@ -3,8 +3,6 @@
 
 """Simulated time, and what only a fresh node of its own can show."""
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -14,8 +12,7 @@ import pytest
 from ros_listener import Listener
 from ros_messages import (
     DiagnosticArray, JOINT, joint_state, moved, stamp_of, to_stamp, Vector3Stamped, wrench,
-    WrenchStamped,
-)
+    WrenchStamped)
 from ros_peer import estimator_and_peer, PERIOD_NS
 from ros_processes import node_process
 from sensor_msgs.msg import JointState

@@ -3,8 +3,6 @@
 
 """Starting wrongly ends with exit code 1 and one line on stderr; --help explains."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -43,9 +41,7 @@ def test_wrong_parameter_ends_a_node_with_one_line(
 def test_unknown_parameter_in_a_file_names_the_nearest(tmp_path: Path) -> None:
     file = tmp_path / 'parameters.yaml'
     file.write_text('estimator_node: {ros__parameters: {tuning: {rls: {forgeting_factor: 0.9}}}}')
-    finished = run_module(
-        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file)
-    )
+    finished = run_module(tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file))
     assert_one_line(finished, "did you mean 'tuning.rls.forgetting_factor'")
 
 

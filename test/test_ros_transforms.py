@@ -3,8 +3,6 @@
 
 """The node on an arm whose poses come from tf, and watched, over DDS."""
 
-from __future__ import annotations
-
 from itertools import count
 from pathlib import Path
 import signal

@@ -3,8 +3,6 @@
 
 """Signals before estimation: filter bank, outliers, smoothing, samples and relations."""
 
-from __future__ import annotations
-
 from math import nan
 
 from contact_estimation.estimators import ESTIMATORS
@@ -38,9 +36,7 @@ def replaced(given: NDArray[np.float64], gate: OutlierGate) -> NDArray[np.float6
 
 def hit(samples: list[ContactSample], at: list[int], force: float) -> list[ContactSample]:
     """Add a pressing force to single samples."""
-    return [
-        s._replace(force=s.force - force) if k in at else s for k, s in enumerate(samples)
-    ]
+    return [s._replace(force=s.force - force) if k in at else s for k, s in enumerate(samples)]
 
 
 @pytest.mark.parametrize('spike', [500.0, 100.0, -40.0])
@@ -116,8 +112,7 @@ def motion_under(mass: float, period: float) -> tuple[NDArray[np.float64], NDArr
     t = np.arange(0.0, 1.0, period)
     solution = solve_ivp(
         lambda t, s: [s[1], (press(t) - B * s[1] - STIFFNESS * s[0]) / mass], (0.0, 1.0),
-        [40.0 / STIFFNESS, 0.0], 'DOP853', t_eval=t, rtol=1e-11, atol=1e-14,
-    )
+        [40.0 / STIFFNESS, 0.0], 'DOP853', t_eval=t, rtol=1e-11, atol=1e-14)
     return t, solution.y
 
 

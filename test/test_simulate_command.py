@@ -3,8 +3,6 @@
 
 """The commands `simulate` and `python -m contact_estimation`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -119,8 +117,7 @@ def test_attached_wall_is_that_of_a_linear_system_driven_straight_between_sample
     ({'physics': {'colomb_friction': {'F_c': 1.0}}},
      "did you mean 'physics.coulomb_friction.F_c'"),
     ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
-    ({'environment': {'stiffness': -1.0}}, '(environment.unilateral: false) may have less'),
-])
+    ({'environment': {'stiffness': -1.0}}, '(environment.unilateral: false) may have less')])
 def test_invalid_model_is_refused_with_a_hint(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], groups: dict[str, Any], text: str
 ) -> None:

@@ -3,8 +3,6 @@
 
 """Gains that are stable on a wall, computed and watched."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import isnan, nan, sqrt
 from typing import Any, NamedTuple

@@ -3,8 +3,6 @@
 
 """The studies: their help, reproduction of the paper, on-line worlds and calibration."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Callable
@@ -40,8 +38,7 @@ def test_estimators_and_peers_find_the_stiffness_of_a_world(candidate: str) -> N
 KEYS = {
     'case', 'estimator', 'law', 'seeds', 'stiffness_error_percent', 'damping_error_percent',
     'stiffness_bound_percent', 'damping_bound_percent', 'paper_stiffness_error_percent',
-    'paper_damping_error_percent',
-}
+    'paper_damping_error_percent'}
 
 
 def case(name: str, estimator: str) -> Case:
@@ -103,8 +100,7 @@ def within_a_factor_of_two(error: float, paper: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name, estimator', [
-    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'rls'),
-])
+    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'rls')])
 def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None:
     errors = case(name, estimator).run(0)
     assert within_a_factor_of_two(errors.stiffness, PAPER[name, estimator].stiffness)
@@ -113,8 +109,7 @@ def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name, stiffness, damping', [
-    ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0),
-])
+    ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0)])
 def test_best_estimator_is_accurate_on_the_testbed(
     name: str, stiffness: float, damping: float
 ) -> None:

@@ -3,8 +3,6 @@
 
 """Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
 
-from __future__ import annotations
-
 from datetime import time
 from decimal import Decimal
 import os
@@ -88,8 +86,7 @@ def test_columns_are_found_by_the_names_of_common_logs(
     '%time,field.wrench.force.x,field.pose.position.x\n'
     '1700000000000000000,1.5,0.1\n1700000000100000000,2.5,0.2\n',
     't,skin,force,tcp\n0.0,"[[1 2]\n [3 4]]","[1.5, 0.0, 0.0]","(0.1, 0.0)"\n'
-    '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n',
-])
+    '0.1,"[[1 2]\n [3 4]]","[2.5, 0.0, 0.0]","(0.2, 0.0)"\n'])
 @pytest.mark.parametrize('encoding', ['utf-8', 'utf-16'])
 def test_text_of_any_habit_is_read(tmp_path: Path, text: str, encoding: str) -> None:
     (tmp_path / 'a.csv').write_text(text, encoding=encoding)
@@ -101,9 +98,7 @@ def test_text_of_any_habit_is_read(tmp_path: Path, text: str, encoding: str) -> 
 
 @pytest.mark.parametrize('text', [
     't,F,x\n"0.0","1,500.5","0.1"\n"0.1","1,000","0.2"\n',
-    't;F;x\n0,0;1.500,5;0,1\n0,1;1000;0,2\n',
-    't F x\n0.0 1,500.5 0.1\n0.1 1000 0.2\n',
-])
+    't;F;x\n0,0;1.500,5;0,1\n0,1;1000;0,2\n', 't F x\n0.0 1,500.5 0.1\n0.1 1000 0.2\n'])
 def test_thousands_may_be_separated(tmp_path: Path, text: str) -> None:
     (tmp_path / 'a.csv').write_text(text)
     assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1500.5, 1000.0]
@@ -274,8 +269,7 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
     ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),
     ('t,F,x', {'columns': {'joint.x': 'y'}}, "joint.x=y: .*'t', 'F', 'x'"),
     ('t,F,x', {'columns': {'force': 'F'}}, "no signal 'force'; expected one of t, wrench"),
-    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other"),
-])
+    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other")])
 def test_table_that_is_not_understood_says_how_to_choose(
     tmp_path: Path, header: str, options: Any, text: str
 ) -> None:

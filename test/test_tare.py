@@ -3,8 +3,6 @@
 
 """The zero of the force sensor: tared once, and tracked."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 import json
 from pathlib import Path
@@ -39,8 +37,7 @@ def force(*levels: float) -> NDArray[np.float64]:
     ((-52.0, -20.0, -60.0, -20.0), -20.0, 2.5),  # begins in contact
     ((6.0, -24.0, 0.0, -30.0, 0.0), 6.0, 0.0),  # the driver zeroes at half time
     ((0.0, -30.0, 6.0, -24.0), 0.0, 0.0),
-    ((3.0,), 3.0, 0.0),
-])
+    ((3.0,), 3.0, 0.0)])
 def test_first_free_flight_presses_least(
     levels: tuple[float, ...], zero: float, begin: float
 ) -> None:
@@ -51,8 +48,7 @@ def test_first_free_flight_presses_least(
 
 @pytest.mark.parametrize('tare, text', [
     ('soon', 'must be first-free-flight, tracked, or a span .*example'), ('3:x', 'must be'),
-    ('30:40', 'no wrench from 30 to 40 s'), (FIRST, 'no 0.5 s in which the force is steady'),
-])
+    ('30:40', 'no wrench from 30 to 40 s'), (FIRST, 'no 0.5 s in which the force is steady')])
 def test_tare_without_free_flight_is_refused(tare: str, text: str) -> None:
     with pytest.raises(ce.ContactEstimationError, match=text):
         tare_of(T, np.sin(9.0 * T), tare)
@@ -71,8 +67,7 @@ def untared(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize('options, warned', [
     ([], True), (['--tare', FIRST], False), (['--tare', '0:0.5'], False),
-    (['--params', 'p.yaml'], False),
-])
+    (['--params', 'p.yaml'], False)])
 def test_tare_or_declared_bias_silences_the_warning(
     untared: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], options: list[str],
     warned: bool

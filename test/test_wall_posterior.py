@@ -1,8 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from __future__ import annotations
-
 from math import nan
 from typing import Callable
 
@@ -40,9 +38,7 @@ def test_agrees_with_batch_least_squares_on_a_known_surface(seed: int) -> None:
 
 # -- contact ------------------------------------------------------------------------------------
 
-def judged(
-    contact_filter: ContactFilter, forces: Array, places: Array | None = None
-) -> list[int]:
+def judged(contact_filter: ContactFilter, forces: Array, places: Array | None = None) -> list[int]:
     states = []
     places = np.full(len(forces), -1.0) if places is None else places
     for force, x in zip(forces.tolist(), places.tolist()):

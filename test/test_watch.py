@@ -3,8 +3,6 @@
 
 """The live view, and the pictures of commands."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 import subprocess
@@ -101,8 +99,7 @@ def test_watch_writes_a_file_that_rerun_reads(
 @pytest.mark.parametrize('words, text', [
     (['--save', 'view.png'], 'let its name end in .rrd'),
     (['--axis', 'y'], '--axis needs a RECORDING'),
-    (['missing.mcap', '--save', 'view.rrd'], 'missing.mcap does not exist'),
-])
+    (['missing.mcap', '--save', 'view.rrd'], 'missing.mcap does not exist')])
 def test_wrong_use_is_refused(
     words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str]

@@ -3,8 +3,6 @@
 
 """An effect that the library does not have: R = K_5 d^5."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -3,8 +3,6 @@
 
 """An estimator that the library does not have: a gradient step on K_e, with B_e known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan
 from typing import Sequence

@@ -3,8 +3,6 @@
 
 """Contacts in closed form: a prescribed smooth path, a law of the wall, white noise."""
 
-from __future__ import annotations
-
 from typing import Callable, NamedTuple
 
 from contact_estimation.estimators.multiple_model import WallPosterior

@@ -3,8 +3,6 @@
 
 """An independent solution of robot against wall, by scipy with events, for the plant's tests."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 
 from contact_estimation.parameters import build, ParameterGroup
@@ -31,13 +29,10 @@ def reference_at(t: float) -> tuple[float, float, float, float]:
     w = 9.0
     return (
         START + 0.012 * (1.0 - np.cos(w * t)), 0.012 * w * np.sin(w * t),
-        0.012 * w * w * np.cos(w * t), 0.0,
-    )
+        0.012 * w * w * np.cos(w * t), 0.0)
 
 
-def control(
-    t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t
-) -> float:
+def control(t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t) -> float:
     """Compute the control force of eq. (1) on the reference above."""
     x_r, v_r, a_r, _ = reference_at(t)
     return M * a_r - B * (v - v_r) - K * (x - x_r)

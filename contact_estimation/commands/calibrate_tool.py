@@ -3,8 +3,6 @@
 
 """Identify mass, centre of gravity and sensor biases of a tool from a recording in free flight."""
 
-from __future__ import annotations
-
 from typing import Any, Callable
 from xml.etree import ElementTree
 
@@ -33,8 +31,7 @@ def make_parser() -> Parser:
         prog='calibrate_tool',
         description='Identify the load of the tool on a force/torque sensor from a recording of '
         'wrench and joint states: at least 12 poses of the arm in free flight, each held for 2 s, '
-        'that turn the sensor in all directions; or slow motion through them.',
-    )
+        'that turn the sensor in all directions; or slow motion through them.')
     parser.add_argument('recording', metavar='RECORDING',
                         help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT)')
     parser.add_argument('--robot-description', metavar='FILE',
@@ -165,10 +162,9 @@ def _as_json(found: ToolCalibration) -> dict[str, Any]:
     tool = found.tool
     return {
         'mass_kg': {'value': tool.mass, 'std': found.mass_std},
-        'centre_m': {'value': list(tool.centre), 'std': found.centre_std.tolist()},
-        'force_bias_n': {'value': list(tool.force_bias), 'std': found.force_bias_std.tolist()},
-        'torque_bias_nm': {'value': list(tool.torque_bias),
-                           'std': found.torque_bias_std.tolist()},
+        **{f'{name}_{unit}': {'value': list(getattr(tool, name)),
+                              'std': getattr(found, f'{name}_std').tolist()}
+           for name, unit in (('centre', 'm'), ('force_bias', 'n'), ('torque_bias', 'nm'))},
         'poses': found.poses,
         'force_rms_n': found.force_rms,
         'torque_rms_nm': found.torque_rms,

@@ -3,8 +3,6 @@
 
 """The demonstration: conceal an effect, diagnose it, compensate it, estimate K and B again."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import subprocess
@@ -48,8 +46,7 @@ def make_parser() -> Parser:
         prog='python -m contact_estimation',
         description='Conceal an effect in the simulated plant, run the loop, diagnose the '
         'recording, run the loop again with the diagnosed effect compensated, and compare the '
-        'estimates.',
-    )
+        'estimates.')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
     parser.add_argument('--physics', metavar='FILE',
                         help='parameter file with the plant_node physics to conceal (default: '
@@ -107,8 +104,7 @@ def _diagnose(output: Path) -> dict[str, Any]:
 def _call(command: str, *arguments: str) -> None:
     done = subprocess.run(
         [sys.executable, '-m', f'contact_estimation.commands.{command}', *arguments],
-        stdout=subprocess.DEVNULL,
-    )
+        stdout=subprocess.DEVNULL)
     if done.returncode:
         raise ContactEstimationError(
             f'{command} ended with exit code {done.returncode}, expected 0; see its message above')

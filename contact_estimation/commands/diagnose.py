@@ -3,8 +3,6 @@
 
 """`diagnose`: name the physics that a simulation of recorded contacts lacks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -37,8 +35,7 @@ def make_parser() -> Parser:
         prog='diagnose',
         description='Compare recordings with the model that simulates them. The verdict is '
         'consistent, recalibrate, physics missing or unexplained; missing physics are named, '
-        'fitted and tested on held-out data.',
-    )
+        'fitted and tested on held-out data.')
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
                         help='.mcap file, rosbag2 folder or table (CSV, Parquet, MAT)')
     parser.add_argument('--nominal', metavar='MODEL.yaml',

@@ -3,8 +3,6 @@
 
 """`diagnose --nominal-robot`: name the physics that the description of an arm lacks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import json
 from pathlib import Path
@@ -13,7 +11,7 @@ from typing import Any, Callable, Sequence
 from .command_line import (
     as_json, check_outputs, chosen_parameters, new_file, reading_of, topics_of, write_results)
 from .progress import Progress
-from ..diagnosis.arm.arm_recording import ArmRecording, read_arm_recording
+from ..diagnosis.arm.arm_recording import read_arm_recording
 from ..diagnosis.arm.conclude import diagnose_arm
 from ..diagnosis.arm.contact import diagnose_contact
 from ..diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
@@ -21,7 +19,6 @@ from ..diagnosis.arm.result import ArmDiagnosis
 from ..diagnosis.arm.text import as_dict, as_html, as_text, headline
 from ..diagnosis.fit.beam import as_dict as comparison, Compared
 from ..diagnosis.report.json_report import model_file
-from ..diagnosis.result import Diagnosis
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..kinematics.arm_dynamics import ArmDynamics
@@ -44,14 +41,22 @@ def run(options: Any) -> int:
         [read_arm_recording(path, topics_of(options), chosen_parameters(options),
                             **reading_of(options)) for path in paths]
         for paths in (options.recordings, options.holdout, filter(None, [options.simulation])))
-    _check_wrench(options, fitted)
+    if options.nominal and not any(one.wrench for one in fitted):
+        raise RecordingError(
+            '--nominal, the contact, needs a wrench beside the joint states, got none in '
+            f'{", ".join(options.recordings)}; choose its topic with --topic wrench:=, or leave '
+            '--nominal out')
     simulated = None
     for one in simulations:
         simulated = diagnose_arm(one, urdf, seed=options.seed, progress=stage)
     diagnosis = diagnose_arm(fitted, urdf, held_out=tested, seed=options.seed,
                              simulated=simulated, progress=stage)
     if options.nominal:
-        diagnosis = replace(diagnosis, contact=_contact(options, diagnosis, stage))
+        diagnosis = replace(diagnosis, contact=diagnose_contact(
+            options.recordings, options.nominal_robot, read_model(options.nominal),
+            held_out=options.holdout, topics=topics_of(options),
+            parameters=chosen_parameters(options), arm=diagnosis, seed=options.seed,
+            progress=stage, **reading_of(options)))
     progress.done()
     _write(diagnosis, urdf, options)
     if simulated is not None:
@@ -78,26 +83,6 @@ def _check(options: Any) -> None:
         {'the robot description': [options.nominal_robot],
          'a recording': [*options.recordings, *options.holdout, options.simulation],
          'the nominal model file': [options.nominal], 'a parameter file': options.params})
-
-
-def _check_wrench(options: Any, fitted: list[ArmRecording]) -> None:
-    """Refuse a contact without a measured force."""
-    if options.nominal and not any(one.wrench for one in fitted):
-        raise RecordingError(
-            '--nominal, the contact, needs a wrench beside the joint states, got none in '
-            f'{", ".join(options.recordings)}; choose its topic with --topic wrench:=, or leave '
-            '--nominal out')
-
-
-def _contact(
-    options: Any, arm: ArmDiagnosis, progress: Callable[[str], None]
-) -> Diagnosis:
-    """Diagnose what the tip touches."""
-    return diagnose_contact(
-        options.recordings, options.nominal_robot, read_model(options.nominal),
-        held_out=options.holdout, topics=topics_of(options),
-        parameters=chosen_parameters(options), arm=arm, seed=options.seed, progress=progress,
-        **reading_of(options))
 
 
 def _beside(path: str | None, suffix: str) -> str | None:

@@ -3,8 +3,6 @@
 
 """`fleet`: replay and diagnose an archive of recordings; one table, one page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -34,8 +32,7 @@ def make_parser() -> Parser:
         'table.parquet, a row for each recording and contact, and index.html: which physics are '
         'missing, where and since when, wear, and robots that differ from the rest. A recording '
         'that cannot be used becomes a row with its error. An interrupted run resumes: what was '
-        'finished with the same recording, model, options and version is not repeated.',
-    )
+        'finished with the same recording, model, options and version is not repeated.')
     parser.add_argument('paths', metavar='PATH', nargs='+',
                         help='.mcap files, rosbag2 folders, folders of both, tables, or quoted '
                         'patterns')
@@ -75,7 +72,11 @@ def run(options: Any) -> int:
     require_at_least(options, jobs=1, seed=0, pooled=0, most_samples=1000)
     for require in (require_matplotlib, require_distributed, require_pyarrow):
         require()  # before the first recording, not after the last
-    settings = _settings(options)
+    settings = Settings.of(
+        read_model(options.nominal), topics=topics_of(options), axis=options.axis or 'x',
+        joint=options.joint or '', seed=options.seed, most_samples=options.most_samples,
+        reading=reading_of(options),
+        parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
     found = find_recordings(options.paths, options.group_by)
     used = {one.name for one in found}
     skipped = [name for name in skipped_files(options.paths) if name not in used]
@@ -95,14 +96,6 @@ def run(options: Any) -> int:
               f'{" and more" if len(skipped) > 5 else ""}; give tables as a quoted pattern, such '
               "as 'archive/*.csv', and convert ROS 1 bags with rosbags-convert")
     return 0
-
-
-def _settings(options: Any) -> Settings:
-    return Settings.of(
-        read_model(options.nominal), topics=topics_of(options), axis=options.axis or 'x',
-        joint=options.joint or '', seed=options.seed, most_samples=options.most_samples,
-        reading=reading_of(options),
-        parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
 
 
 def _output(path: str) -> Path:

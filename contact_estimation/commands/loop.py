@@ -3,8 +3,6 @@
 
 """`loop`: run plant, estimator and recorder on this machine and summarise the run."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 import json
 import os
@@ -35,40 +33,36 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='loop',
         description='Run plant, estimator and recorder as separate ROS 2 processes on this '
-        'machine, play an experiment, and write a recording and a summary.',
-    )
+        'machine, play an experiment, and write a recording and a summary.')
     parser.add_argument('--duration', type=float,
                         help='length of the run in seconds (default: one experiment)')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
     parser.add_argument(
         '--experiment', default='sine', metavar='NAME|FILE.yaml',
-        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
-    )
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments')
     parser.add_argument(
         '--params', metavar='FILE',
-        help='ROS 2 parameter file with sections estimator_node and plant_node',
-    )
+        help='ROS 2 parameter file with sections estimator_node and plant_node')
     parser.add_argument('--seed', type=int, help='seed of all noise')
     parser.add_argument(
         '--lockstep', action='store_true',
         help='let the plant wait for the answer to each sample; the run is then the same on a '
-        'slow or busy machine, but may take longer',
-    )
+        'slow or busy machine, but may take longer')
     parser.add_argument(
         '--watch', nargs='?', const=WINDOW, metavar='web|FILE.rrd',
-        help='show the run live in Rerun: in a window, on a web page, or in a file',
-    )
+        help='show the run live in Rerun: in a window, on a web page, or in a file')
     return parser
 
 
 def run(options: Any) -> int:
     """Run the loop."""
-    _require_packages()
+    require_matplotlib()
+    jazzy_typestore()
+    require_rclpy('loop')
     watch = _watch_words(options.watch)
     configuration = configure(options.experiment, options.params, options.estimator,
-                              options.duration, options.seed,
-                              lockstep=options.lockstep)
+                              options.duration, options.seed, lockstep=options.lockstep)
     output = new_folder(options.output)
     recording, plant_summary = output / 'recording', output / 'plant_summary.json'
     write_parameters(output / 'parameters.yaml', configuration, recording, plant_summary)
@@ -93,12 +87,6 @@ def run(options: Any) -> int:
     return 1 if failure else 0
 
 
-def _require_packages() -> None:
-    require_matplotlib()
-    jazzy_typestore()
-    require_rclpy('loop')
-
-
 def _watch_words(given: str | None) -> list[str] | None:
     """Return the options of `watch`; None for no view."""
     if given is None:
@@ -111,12 +99,7 @@ def _watch_words(given: str | None) -> list[str] | None:
 
 @contextmanager
 def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
-    """
-    Show the recording while it is written, in a process of its own at a low priority.
-
-    It subscribes to nothing: neither estimator nor plant send anything for it.
-
-    """
+    """Show the recording while it is written, in a low-priority process without subscriptions."""
     if words is None:
         yield
         return
@@ -166,8 +149,7 @@ def _as_text(summary: Mapping[str, Any]) -> str:
         f'mean force {_number(summary["mean_force_n"], ".2f")} N over the hold, desired '
         f'{_number(summary["desired_force_n"], ".2f")} N{note and f" ({note})"}',
         f'{summary["samples_sent"]} samples at {_number(summary["rate_hz"], ".1f")} Hz, '
-        f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}',
-    ]
+        f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}']
     if summary['disturbed']:
         lines.append(_warning(summary))
     return '\n'.join(lines)

@@ -3,8 +3,6 @@
 
 """Progress bar of the commands: on stderr, only on a terminal, cleared at the end."""
 
-from __future__ import annotations
-
 from typing import Any, Callable, Mapping
 
 from tqdm import tqdm

@@ -3,8 +3,6 @@
 
 """Estimate stiffness and damping from a recording, off-line and faster than real time."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from functools import partial
 import gc
@@ -25,7 +23,6 @@ from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 
-
 _OF_STAMPS = ('stamp_order', 'stamp_bursts', 'clock_offset')
 
 
@@ -34,8 +31,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='replay',
         description='Estimate contact stiffness and damping from a recording. Parameters and '
-        'their changes at run time are taken from the recording where it has them.',
-    )
+        'their changes at run time are taken from the recording where it has them.')
     parser.add_argument('recording', metavar='RECORDING',
                         help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT)')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
@@ -49,8 +45,7 @@ def make_parser() -> Parser:
     add_tare_option(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
-        help='also estimate this axis; may be given twice',
-    )
+        help='also estimate this axis; may be given twice')
     return parser
 
 

@@ -3,8 +3,6 @@
 
 """The summary of a replay: as JSON, text or picture, or as the error that nothing is estimated."""
 
-from __future__ import annotations
-
 from collections import Counter
 from math import isfinite
 import sys
@@ -39,9 +37,8 @@ def picture_trace(path: str | None) -> EstimateTrace | None:
 
 
 def write_picture(
-    path: str, reader: RecordingReader, source: RecordingSource,
-    parameters: EstimationParameters, trace: EstimateTrace,
-    true: Mapping[str, float] | None = None,
+    path: str, reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    trace: EstimateTrace, true: Mapping[str, float] | None = None,
 ) -> None:
     """Write the picture of a recording."""
     signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)
@@ -98,20 +95,16 @@ def refuse_empty(
 def summary_of(
     replay: RecordingReplay, reader: RecordingReader, replayed: Replayed, wall_s: float
 ) -> dict[str, Any]:
-    """
-    Return the summary of a replay.
-
-    replay: at its end
-    reader: of the recording
-    replayed: its estimates, not empty
-    wall_s: duration of the replay [s]
-    """
+    """Return the summary of a replay at its end, which has estimates and took `wall_s` [s]."""
     session, last = replay.session, replayed.last
     summary: dict[str, Any] = {
         'estimator': session.parameters.estimator,
         'samples': replayed.samples,
         **_state_of(last[0], session.pipeline.model_fit),
-        'warnings': _warnings_of(replay),
+        'warnings': [  # the most important first
+            {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
+             'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
+            for found in replay.session.checks.ordered_warnings()],
         **({'tare': {axis: tare._asdict() for axis, tare in replay.tares.items()}}
            if replay.tares else {}),
         'recorded_s': (last[0].stamp_ns - replayed.first[0].stamp_ns) * 1e-9,
@@ -147,14 +140,6 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
                 + f' (of {replayed.samples} samples {held})' * bool(held))
     return (f'nothing could be estimated in {recording}: '
             f'{cause or f"no sample in contact could be used ({held})"}')
-
-
-def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:
-    """Return every warning of the recording, the most important first."""
-    return [
-        {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
-         'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
-        for found in replay.session.checks.ordered_warnings()]
 
 
 def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:

@@ -3,8 +3,6 @@
 
 """`simulate`: run a plant model off-line on a recorded command or force, or an experiment."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -32,16 +30,14 @@ def make_parser() -> Parser:
         prog='simulate',
         description='Simulate a model on the command of a recording, sampled at its stamps, or '
         'on an experiment. A permanently attached wall without a robot is driven by the recorded '
-        'force.',
-    )
+        'force.')
     parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
     given.add_argument('--like', metavar='RECORDING',
                        help='.mcap file, rosbag2 folder or table whose command is repeated')
     given.add_argument(
         '--experiment', metavar='NAME|FILE.yaml',
-        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
-    )
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments')
     parser.add_argument('--output', required=True, metavar='FILE',
                         help='.mcap file to write; must not exist')
     parser.add_argument('--seed', type=int,
@@ -49,8 +45,7 @@ def make_parser() -> Parser:
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
         help='interpolation of the recorded reference (straight or held) or of the force that '
-        'drives an attached wall (default: straight); `diagnose` reports which the data support',
-    )
+        'drives an attached wall (default: straight); `diagnose` reports which the data support')
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and what `replay` estimates from them')
     add_source_options(parser)

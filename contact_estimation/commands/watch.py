@@ -3,8 +3,6 @@
 
 """`watch`: a running estimator, or a recording, in Rerun."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import signal
 import sys
@@ -33,8 +31,7 @@ def make_parser() -> Parser:
         prog='watch',
         description='Show force, motion, stiffness and damping with their bands, status and '
         'checks in Rerun: of a running estimator, or of a recording, which is replayed.',
-        epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.',
-    )
+        epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.')
     parser.add_argument('recording', metavar='RECORDING', nargs='?',
                         help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT); '
                         'default: the running estimator')

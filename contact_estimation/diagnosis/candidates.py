@@ -3,8 +3,6 @@
 
 """Candidates for the next experiment, all within the reach of the recordings."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 from ..reference.experiment import Experiment, Segment
@@ -58,9 +56,7 @@ def candidates(reach: Reach) -> list[Candidate]:
     made = [
         press(reach, share, pace, dwell)
         for share, pace, dwell in (
-            (1.0, 1.0, 1.0), (1.0, 0.3, 8.0), (0.4, 1.0, 1.0), (0.4, 0.1, 1.0),
-        )
-    ]
+            (1.0, 1.0, 1.0), (1.0, 0.3, 8.0), (0.4, 1.0, 1.0), (0.4, 0.1, 1.0))]
     made += [swing(reach, (frequency,), 0.6, 0.35) for frequency in (1.0, 5.0, 12.0)]
     made += [swing(reach, (2.0,), 0.35, 0.6), swing(reach, (1.0, 2.0, 4.0, 8.0, 14.0), 0.6, 0.35)]
     return made
@@ -109,8 +105,7 @@ def _touch(
         *held,
         *back,
         Segment(travel, reach.start),
-        Segment(_REST_S, reach.start),
-    ))
+        Segment(_REST_S, reach.start)))
 
 
 def scaling_test(reach: Reach) -> Candidate:
@@ -121,8 +116,7 @@ def scaling_test(reach: Reach) -> Candidate:
         f'Press {1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
         f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the present '
         'touch-downs): residuals that grow with depth point to the spring, with speed to damping '
-        'or sensor timing, with neither to friction or an offset.'
-    )
+        'or sensor timing, with neither to friction or an offset.')
     touches = [_touch(reach, '', depth, speed, [_hold(reach, depth, 1.0)]).segments
                for depth in depths for speed in speeds]
     segments = tuple(segment for touch in touches for segment in touch)

@@ -3,13 +3,10 @@
 
 """From compared models to the result: names, values, held-out errors, verdict."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .dependence import dependences
 from .fit.discrepancy import discounted, material, standard_deviations
@@ -29,8 +26,7 @@ from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Va
 from .views import Progress, Seen
 from ..parameters import own_specifications
 from ..physics import EFFECTS
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 _SHOWS = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 _AS_FITTED = 1.5, 3.0  # times that error of force and free run, which drifts: more is no noise
@@ -150,8 +146,10 @@ class _Conclusion:
     ) -> None:
         self._seen, self._named, self._tested, self._rng = seen, named, tested, generator
         self._evidence = seen.compared.evidence
-        largest = ranked_by(tested.recordings, lambda one: -_misfit_of(one, tested.base.model))
-        self._recordings, self._shown = largest, largest[0]
+        self._recordings = ranked_by(  # the one with the largest misfit first
+            tested.recordings, lambda one: -cost_of([one], tested.base.model) / max(
+                one.residual_count, 1))
+        self._shown = self._recordings[0]
         self._explained = explained(self._evidence, named.model)
         self._stds = standard_deviations(tested.recordings, tested.best)
 
@@ -176,7 +174,9 @@ class _Conclusion:
             improvement=improvement_interval(tested.parts, self._rng),
             holdouts=by_part(tested.parts),
             next_experiment=advice(effects, rivals, verdict, unilateral), rivals=rivals,
-            evidence=self._alone(), residual_power=best.cost / best.residual_count,
+            evidence={one.effects[0]: max(0.0, explained(self._evidence, one).share)
+                      for one in seen.compared.models if len(one.effects) == 1},
+            residual_power=best.cost / best.residual_count,
             dependences={key: dependences(self._shown, by_name[key], self._rng)
                          for key in pair_of(bool(effects))},
             recordings=self._recordings, free_runs=tested.free_runs,
@@ -184,8 +184,7 @@ class _Conclusion:
             rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
             nearly='' if verdict != 'unexplained' or self._named.model.laws else nearly(
                 self._evidence, seen.compared.models),
-            compared=seen.compared,
-        )
+            compared=seen.compared)
 
     def _verdict(self, effects: Sequence[NamedEffect]) -> str:
         """Return the verdict, the one place where it is made."""
@@ -254,13 +253,3 @@ class _Conclusion:
         return Remainder(left, location, (
             f'{100.0 * left:.0f} % of the misfit is left by all named effects together, mostly '
             f'in the {location.phase} phase{where}, {low:.2g} to {high:.2g} Hz'))
-
-    def _alone(self) -> dict[str, float]:
-        """Return the share that each effect explains alone."""
-        return {one.effects[0]: max(0.0, explained(self._evidence, one).share)
-                for one in self._seen.compared.models if len(one.effects) == 1}
-
-
-def _misfit_of(recording: PreparedRecording, model: Model) -> float:
-    """Return the mean square that a model leaves of a recording."""
-    return cost_of([recording], model) / max(recording.residual_count, 1)

@@ -102,8 +102,7 @@ def _quantities(recording: PreparedRecording, model: Model, use: Places) -> list
     found = [
         _cut('depth', 'm', depth), _cut('velocity', 'm/s', v),
         _cut('acceleration', 'm/s^2', recording.blocks(o.a)[use]),
-        _cut('time', 's', recording.blocks(o.t)[use]),
-    ]
+        _cut('time', 's', recording.blocks(o.t)[use])]
     direction = np.where(recording.touching(model)[use], np.where(v > 0.0, 0, 1), 2)
     found.append(_named('direction', ('loading', 'unloading', 'free'), direction))
     marks = phases(recording, model)
@@ -151,8 +150,7 @@ def _dependence(
     return Dependence(
         channel, binned.on, binned.unit, float(total @ mean**2) / square,
         float(np.percentile(permuted, _SIGNIFICANCE)) / square, binned.names, binned.middle, mean,
-        low, high,
-    )
+        low, high)
 
 
 def _sums(series: Array, bins: Places, size: int) -> Array:
@@ -192,13 +190,11 @@ def _on_frequency(
     powers = octave_powers(residual)
     drawn = _drawn(segments, generator)
     low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
-    permuted = [uneven(octave_powers(generator.permutation(residual)))
-                for _ in range(DRAWS // 4)]
+    permuted = [uneven(octave_powers(generator.permutation(residual))) for _ in range(DRAWS // 4)]
     middle = np.bincount(bins, frequencies)[1:] / lines[1:]
     return Dependence(
         channel, 'frequency', 'Hz', uneven(powers),
-        float(np.percentile(permuted, _SIGNIFICANCE)), (), middle, powers.mean(axis=0), low, high,
-    )
+        float(np.percentile(permuted, _SIGNIFICANCE)), (), middle, powers.mean(axis=0), low, high)
 
 
 def _past_of(series: Array) -> Array:
@@ -230,5 +226,4 @@ def _on_past(
     return Dependence(
         channel, 'its own past', 's', predictable_share(residual),
         float(np.percentile(permuted, _SIGNIFICANCE)), (), step * np.arange(1.0, _PAST + 1.0),
-        products.sum(axis=1) / square, low, high,
-    )
+        products.sum(axis=1) / square, low, high)

@@ -35,8 +35,7 @@ _FADES = 0.015  # of the speed of a motion: where dry friction fades at most, as
 
 def diagnose(
     recordings: Recording | Sequence[Recording], model: PlantParameters, *,
-    held_out: Sequence[Recording] = (), seed: int = 0,
-    progress: Progress = lambda text: None,
+    held_out: Sequence[Recording] = (), seed: int = 0, progress: Progress = lambda text: None,
 ) -> Diagnosis:
     """
     Compare recordings with the model that simulates them, and name the physics it lacks.
@@ -69,7 +68,10 @@ def diagnose(
 
     """
     fitted = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    _refuse_wrong_input(fitted, seed)
+    if not fitted:
+        raise ParameterRangeError('recordings must hold at least one recording, got none')
+    if seed < 0:
+        raise ParameterRangeError(f'seed must be >= 0, got {seed}')
     progress('checks')
     fitted, held_out = ([without_held_samples(one) for one in every]
                         for every in (fitted, held_out))
@@ -128,15 +130,6 @@ def _with_words_of_surfaces(diagnosis: Diagnosis, seen: Seen) -> Diagnosis:
     if not surfaces.are_of_several:
         return diagnosis
     return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
-
-
-def _refuse_wrong_input(
-    recordings: Sequence[Recording], seed: int
-) -> None:
-    if not recordings:
-        raise ParameterRangeError('recordings must hold at least one recording, got none')
-    if seed < 0:
-        raise ParameterRangeError(f'seed must be >= 0, got {seed}')
 
 
 _PRESSING = 0.05  # of the largest force, from which on the wall is touched
@@ -217,12 +210,9 @@ def simulation_text(found: Diagnosis, model: PlantParameters) -> str:
 
 
 def estimated_model(recording: Recording) -> PlantParameters:
-    """
-    Estimate robot, wall and surface of a recording by least squares.
-
-    -F_e = K_e (x - x_e) + B_e v while pressing; F_e = M_t (x'' - x_r'') + B_t (x' - x_r') +
-    K_t (x - x_r), eq. (1).
-    """
+    """Estimate robot, wall and surface of a recording by least squares."""
+    # -F_e = K_e (x - x_e) + B_e v while pressing; F_e = M_t (x'' - x_r'') + B_t (x' - x_r') +
+    # K_t (x - x_r), eq. (1).
     model = PlantParameters()
     for _ in range(_ROUNDS):
         seen = observe(recording.signals, model)

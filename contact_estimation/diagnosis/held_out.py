@@ -3,21 +3,16 @@
 
 """How well models predict held-out data."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .fit.evidence import DRAWS
 from .observe.model import Model
 from .observe.prepared_recording import PreparedRecording
 from .observe.residuals import force_residual
 from .result import Errors, HeldOutErrors
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ..physics.numeric import Array, Flags
 
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
@@ -63,11 +58,8 @@ def _resolved(recording: PreparedRecording, model: Model) -> Array:
         return error
     o = recording.observed
     span = max(1, round(_RESOLVED_S * o.pace / o.h))
-    return np.convolve(np.convolve(error, _mean_of(span), 'same'), _mean_of(span), 'same')
-
-
-def _mean_of(count: int) -> Array:
-    return np.full(count, 1.0 / count)
+    mean = np.full(span, 1.0 / span)
+    return np.convolve(np.convolve(error, mean, 'same'), mean, 'same')
 
 
 def _sums(signal: Array, span: int) -> Array:

@@ -53,17 +53,13 @@ def locate(
     energy = parts[-1] if in_motion else parts[0]
     return Location(
         port, intervals(recording, energy), _phase(energy, phases(recording, model)),
-        _region(recording, model, energy), _band(recording, model, in_motion),
-    )
+        _region(recording, model, energy), _band(recording, model, in_motion))
 
 
 def guess_port(recording: PreparedRecording, model: Model) -> str:
-    """
-    Infer the port from the channels in which residuals are.
-
-    A missing effect of the contact shows in the measured force and, through that force, in the
-    motion; one of the sensor in the force alone; one of the robot in the motion alone.
-    """
+    """Infer the port from the channels in which residuals are."""
+    # A missing effect of the contact shows in the measured force and, through that force, in the
+    # motion; one of the sensor in the force alone; one of the robot in the motion alone.
     missing = force_residual(recording, model)
     response = response_to(recording, missing * recording.use, model)
     innovations = motion_residual(recording, model)
@@ -130,8 +126,7 @@ def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
     """Describe where in the plane of depth and rate the residuals are large."""
     o, laws = recording.observed, model.laws()
     x, rate, _ = laws.at_wall(o)
-    d, v = (recording.blocks(each) for each in (
-        laws.contact.motion_along(o.t, x, rate).d, rate))
+    d, v = (recording.blocks(each) for each in (laws.contact.motion_along(o.t, x, rate).d, rate))
     use = d > 0.0 if laws.contact.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:
         return 'free flight'

@@ -33,7 +33,6 @@ from ..physics.numeric import Array
 from ..plant.simulation import simulate_on
 from ..reference.experiment import Experiment
 
-
 _LEAST_PACE = 0.1
 
 
@@ -103,8 +102,7 @@ def _sentence(
         return (
             f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
             f'experiments is to {best.words}: whatever the values, the predictions then '
-            f'differ by up to {size}. A deeper or faster contact would separate them better.'
-        )
+            f'differ by up to {size}. A deeper or faster contact would separate them better.')
     return (f'To tell {pairs}, {best.words}: whatever the values, their predictions then differ '
             f'by up to {size}.')
 
@@ -157,7 +155,11 @@ class Judge:
             x, v, a = _pressed(reference[:3], self._model, self._gain)
             force = self._model.laws().contact.force(t, x, v, a)
         else:
-            _, x, v, a, _, force = self._simulated(t, reference)
+            rate = steps_a_sample(self._model, o) / h
+            plant = dataclasses.replace(
+                plant_of(self._model), sample_rate=1.0 / h, integration_rate=rate)
+            _, x, v, a, _, force = np.array(
+                simulate_on(plant, t, reference, float(reference[0, 0])), np.float64).T
         observed = Observed(
             t, h, force, np.ones(len(t), bool), x, x, v, a,
             None if o.reference is None else reference, o.position_noise, o.cutoff)
@@ -166,14 +168,6 @@ class Judge:
             usable(self._model, observed), default_block(observed),
             observer=observed.observer_of(self._model.nominal),
             force_discrepancy=old.force_discrepancy, motion_discrepancy=old.motion_discrepancy)
-
-    def _simulated(self, t: Array, reference: Array) -> Array:
-        """Return time, x, v, a, F_e and its measured value [SI], shape (6, N)."""
-        h = self._recording.observed.h
-        rate = steps_a_sample(self._model, self._recording.observed) / h
-        plant = dataclasses.replace(
-            plant_of(self._model), sample_rate=1.0 / h, integration_rate=rate)
-        return np.array(simulate_on(plant, t, reference, float(reference[0, 0])), np.float64).T
 
 
 def _pressed(motion: Array, model: Model, gain: float) -> Array:

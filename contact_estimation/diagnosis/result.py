@@ -251,8 +251,6 @@ def refuse(checks: Sequence[Check], nominal: Model) -> Diagnosis:
         recalibrated=nominal, corrected=nominal, stiffness=Value(nominal.stiffness, nan, 'N/m'),
         damping=Value(nominal.damping, nan, 'N s/m'), noise_floor=nan,
         force=Errors(None, None, None), motion=Errors(None, None, None), improvement=None,
-        holdouts=[],
-        next_experiment=f'Put this right and repeat: {"; ".join(failed)}.', rivals={},
-        evidence={}, residual_power=nan, dependences={}, recordings=[],
-        free_runs={}, checks=list(checks),
-    )
+        holdouts=[], next_experiment=f'Put this right and repeat: {"; ".join(failed)}.', rivals={},
+        evidence={}, residual_power=nan, dependences={}, recordings=[], free_runs={},
+        checks=list(checks))

@@ -8,13 +8,10 @@ A view is one more axis of the comparison of models: each alternative is compare
 that is best so far, and pays the prior of a law.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from .checks.check import Check
@@ -31,9 +28,8 @@ from .observe.observed import observe
 from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.signals import Recording, with_held_reference
 from ..physics import EFFECTS
+from ..physics.numeric import Array
 from ..plant.driven_wall import BETWEEN
-
-Array = NDArray[np.float64]
 
 _STEPS = 3  # of Gauss and Newton to an offset of stamps
 _FAR_S = 0.03  # the longest of them: beyond, residuals are not linear
@@ -201,12 +197,9 @@ def recalibrated(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]
 
 
 def _smoothed(seen: Seen, progress: Progress) -> Seen:
-    """
-    Smooth the motion by the best model, and fit the most likely models again.
-
-    The free run of a good model follows the sharp bends of the motion, so that the difference
-    needs less bandwidth and velocities get more accurate; friction near standstill needs that.
-    """
+    """Smooth the motion by the best model, and fit the most likely models again."""
+    # The free run of a good model follows the sharp bends of the motion, so that the difference
+    # needs less bandwidth and velocities get more accurate; friction near standstill needs that.
     runs = all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings)
     if not seen.best.effects or not runs:
         return seen

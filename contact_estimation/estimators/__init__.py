@@ -3,8 +3,6 @@
 
 """The estimators by name. To add one: a file here and a line in the dictionary."""
 
-from __future__ import annotations
-
 from dataclasses import make_dataclass
 from typing import Callable
 
@@ -44,15 +42,11 @@ OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
 }
 """Need the whole recording, and the force alone; the node refuses them."""
 
-MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {
-    'stiffness_matrix': StiffnessMatrix,
-}
+MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {'stiffness_matrix': StiffnessMatrix}
 """Of the full matrices of three axes, beside the estimator of the single axes."""
 
 EstimatorsTuning: type[ParameterGroup] = make_dataclass(
     'EstimatorsTuning',
     [(name, cls.Parameters, group(cls.Parameters)) for name, cls in ESTIMATORS.items()],
-    bases=(ParameterGroup,),
-    frozen=True,
-)
+    bases=(ParameterGroup,), frozen=True)
 EstimatorsTuning.__doc__ = 'The tuning of every estimator, each under its name.'

@@ -41,13 +41,11 @@ class ContactGeometry:
             if array.ndim != 2 or array.shape[1] != 3 or array.shape != self.points.shape:
                 raise SignalShapeError(
                     f'{name} must have a row of 3 numbers for each contact point, shape (N, 3) '
-                    f'as points {self.points.shape}, got {array.shape}'
-                )
+                    f'as points {self.points.shape}, got {array.shape}')
         lengths = np.linalg.norm(self.normals, axis=1)
         if not np.allclose(lengths, 1.0, atol=1e-6):
             raise ParameterRangeError(
-                f'normals must have length 1, got lengths {lengths.tolist()}; divide by them'
-            )
+                f'normals must have length 1, got lengths {lengths.tolist()}; divide by them')
 
 
 class ToolMotion(NamedTuple):
@@ -68,11 +66,8 @@ class PointMotions(NamedTuple):
 
 
 def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions:
-    """
-    Compute penetrations, their rates and the slip from pose and twist of a rigid tool.
-
-    delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
-    """
+    """Compute penetrations, their rates and the slip from pose and twist of a rigid tool."""
+    # delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
     normals = geometry.normals
     arms = geometry.points @ motion.rotation.T  # (N, 3) [m]
     velocities = motion.velocity + np.cross(motion.angular_velocity, arms)  # (N, 3) [m/s]

@@ -3,8 +3,6 @@
 
 """On-line estimation of K_e, B_e and friction from the force vector of several contact points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple
@@ -27,38 +25,28 @@ class ContactPointsParameters(ParameterGroup):
     initial_stiffness: float = parameter(3000.0, 'First guess of K_e', 'N/m', minimum=1e-3)
     initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
     initial_friction: float = parameter(
-        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0,
-        maximum=10.0,
-    )
+        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0, maximum=10.0)
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
-    )
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12)
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
-    )
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12)
     friction_std: float = parameter(
-        1.0, 'Prior standard deviation of mu; 0: known, not estimated', minimum=0.0, maximum=1e3
-    )
+        1.0, 'Prior standard deviation of mu; 0: known, not estimated', minimum=0.0, maximum=1e3)
     forgetting_factor: float = parameter(
         0.999, 'Forgetting factor lambda per sample in contact; closer to 1: smoother, slower',
-        minimum=0.5, maximum=1.0,
-    )
+        minimum=0.5, maximum=1.0)
     force_noise: float = parameter(
-        0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6
-    )
+        0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6)
     position_noise: float = parameter(
         1e-5, 'Standard deviation of the position of a point; samples with a point closer to its '
-        'surface are not used', 'm', minimum=0.0,
-    )
+        'surface are not used', 'm', minimum=0.0)
     sliding_speed: float = parameter(
         2e-3, 'Below this speed a point counts as sticking, and force directions that its '
         'friction may affect are not used; choose it well above the velocity noise', 'm/s',
-        minimum=0.0,
-    )
+        minimum=0.0)
     maximum_relative_std: float = parameter(
         0.2, 'K_hat and B_hat are updated only while their relative standard deviation is lower',
-        minimum=1e-4,
-    )
+        minimum=1e-4)
 
 
 _STEPS = 2  # Gauss-Newton steps per sample, starting from the last result
@@ -233,9 +221,8 @@ class ContactPointsEstimator:
     ) -> ContactPointsEstimate:
         K_std, B_std, mu_std = np.sqrt(np.maximum(np.diag(self._covariance), 0.0)).tolist()
         return ContactPointsEstimate(
-            sample.stamp_ns, self._stiffness, self._damping, float(self._theta[2]),
-            K_std, B_std, mu_std, tuple(touching.tolist()), status, reason,
-        )
+            sample.stamp_ns, self._stiffness, self._damping, float(self._theta[2]), K_std, B_std,
+            mu_std, tuple(touching.tolist()), status, reason)
 
 
 def _products(theta: Array) -> Array:

@@ -3,8 +3,6 @@
 
 """What an estimator returns after each sample."""
 
-from __future__ import annotations
-
 from enum import Enum
 from math import nan
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 
 """Base of the on-line estimators."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from math import nan
 from typing import ClassVar, Mapping, Sequence

@@ -3,8 +3,6 @@
 
 """Speed of eq. (25): fixed gains adapt with the square of the depth, and starve on stiff walls."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 _SLOWEST_S = 2.0

@@ -3,8 +3,6 @@
 
 """Recursive estimation of the Hunt-Crossley contact law F = K d^n + chi d^n v."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, inf, log, nan, sqrt
 from typing import Mapping, NamedTuple, Sequence
@@ -26,30 +24,23 @@ class HuntCrossleyParameters(ParameterGroup):
     """Prior and random walk of (ln K, n, chi / K)."""
 
     exponent: float = parameter(
-        1.5, 'Initial value of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0
-    )
+        1.5, 'Initial value of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0)
     exponent_std: float = parameter(
-        0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0
-    )
+        0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0)
     reference_depth: float = parameter(
-        0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm',
-        minimum=1e-7, maximum=10.0,
-    )
+        0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm', minimum=1e-7,
+        maximum=10.0)
     log_stiffness_std: float = parameter(
-        3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20',
-        minimum=1e-3, maximum=30.0,
-    )
+        3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20', minimum=1e-3,
+        maximum=30.0)
     dissipation_std: float = parameter(
-        20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6
-    )
+        20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6)
     relative_walk: float = parameter(
         0.002, 'Random walk of K and chi relative to their values, and of n; larger: follows '
-        'changes faster, noisier', '1/sqrt(s)', minimum=0.0,
-    )
+        'changes faster, noisier', '1/sqrt(s)', minimum=0.0)
     depth_memory_s: float = parameter(
         0.5, 'Time constant of the mean penetration at which K_e and B_e are published', 's',
-        minimum=1e-3, maximum=1e3,
-    )
+        minimum=1e-3, maximum=1e3)
 
 
 class Law(NamedTuple):
@@ -95,8 +86,7 @@ class HuntCrossley(OnlineEstimator):
             (a, n, r), (aa, an, ar, nn, nr, rr) = self._x, self._P
             self._x = a + step * n, n, r
             self._P = (
-                aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr
-            )
+                aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr)
             self._set_log_depth(self._log_depth - step)
             self._depth_0 = tuning.reference_depth
 
@@ -126,9 +116,7 @@ class HuntCrossley(OnlineEstimator):
             share, n_std, r_std = p.log_stiffness_std, p.exponent_std, p.dissipation_std
             self._seen_s = 0.0
         nn = n_std * n_std  # ln K at the mean penetration is independent of n
-        self._P = (
-            share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std
-        )
+        self._P = (share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std)
         self._std = self._spread()
 
     def update(
@@ -177,8 +165,7 @@ class HuntCrossley(OnlineEstimator):
         # weight along a wrong direction.
         bend = 0.5 * rr * by_r ** 2
         variance = max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        x, self._P, _ = correct(
-            self._x, P, (1.0, log_depth, by_r), error, variance, free)
+        x, self._P, _ = correct(self._x, P, (1.0, log_depth, by_r), error, variance, free)
         if not _LOWEST_EXPONENT <= x[1] <= _HIGHEST_EXPONENT:
             x = constrain(x, self._P, (0.0, 1.0, 0.0), _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
         self._x = x if not x[2] < 0.0 else constrain(x, self._P, (0.0, 0.0, 1.0), 0.0, inf)
@@ -226,8 +213,7 @@ class HuntCrossley(OnlineEstimator):
         K = exp(a - n * ln_0)
         return Law(
             K, n, r * K, K * _std(P, 1.0, -ln_0, 0.0), sqrt(max(P[3], 0.0)),
-            K * _std(P, r, -r * ln_0, 1.0),
-        )
+            K * _std(P, r, -r * ln_0, 1.0))
 
     @property
     def details(self) -> Mapping[str, float]:
@@ -237,13 +223,11 @@ class HuntCrossley(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = self._std
-        return new_tuple(
-            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
+        return new_tuple(ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
 
 
 def _std(P: Covariance, a: float, b: float, c: float) -> float:
     """Return the standard deviation of the combination a x_0 + b x_1 + c x_2."""
     aa, ab, ac, bb, bc, cc = P
-    variance = (a * (a * aa + 2.0 * (b * ab + c * ac)) + b * (b * bb + 2.0 * c * bc)
-                + c * c * cc)
+    variance = (a * (a * aa + 2.0 * (b * ab + c * ac)) + b * (b * bb + 2.0 * c * bc) + c * c * cc)
     return sqrt(variance) if variance > 0.0 else 0.0

@@ -3,8 +3,6 @@
 
 """Indirect adaptive estimation, eqs. (20) to (27) of Erickson, Weber and Sharf (2003)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
@@ -24,19 +22,15 @@ class IndirectAdaptiveParameters(ParameterGroup):
     """Gains of eq. (25)."""
 
     stiffness_gain: float = parameter(
-        5.0e4, 'Entry of Gamma^-1 for K; larger: faster, noisier', 'N/m/(N m s)', minimum=0.0
-    )
+        5.0e4, 'Entry of Gamma^-1 for K; larger: faster, noisier', 'N/m/(N m s)', minimum=0.0)
     damping_gain: float = parameter(
-        2.5e3, 'Entry of Gamma^-1 for B; larger: faster, noisier', 'N s/m/(N m)', minimum=0.0
-    )
+        2.5e3, 'Entry of Gamma^-1 for B; larger: faster, noisier', 'N s/m/(N m)', minimum=0.0)
     normalised: bool = parameter(
         False,
         'Scale each gain by the mean square of its regressor instead: the same speed at any '
-        'stiffness',
-    )
+        'stiffness')
     adaptation_rate: float = parameter(
-        20.0, 'Decay rate of the force error when normalised', '1/s', minimum=0.0, maximum=1e3
-    )
+        20.0, 'Decay rate of the force error when normalised', '1/s', minimum=0.0, maximum=1e3)
 
 
 class IndirectAdaptive(OnlineEstimator):
@@ -123,8 +117,7 @@ class IndirectAdaptive(OnlineEstimator):
         self._mean_B += share * (phi_B * phi_B - self._mean_B)
         return (
             0.0 if frozen.stiffness else 1.0 / (self._mean_K + _SMALLEST),
-            0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST),
-        )
+            0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST))
 
     @property
     def limitation(self) -> str:
@@ -135,5 +128,4 @@ class IndirectAdaptive(OnlineEstimator):
         """Return the present estimate; see `OnlineEstimator.current`."""
         P_KK, _, P_BB = self._P
         return ParameterEstimate(
-            self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan
-        )
+            self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan)

@@ -3,8 +3,6 @@
 
 """Instrumental variables: estimates that position noise does not bias."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 from math import exp, nan, sqrt
@@ -28,18 +26,14 @@ class InstrumentalVariableParameters(ParameterGroup):
         0.02,
         'Delay of the instruments: longer than 1 / conditioning.cutoff_frequency, over which '
         'filtered noise is correlated, and shorter than the time scale of the motion',
-        's', minimum=0.0, maximum=1.0,
-    )
+        's', minimum=0.0, maximum=1.0)
     memory_s: float = parameter(
-        2.0, 'Time constant of forgetting; larger: smoother, slower', 's',
-        minimum=1e-3, maximum=1e6,
-    )
+        2.0, 'Time constant of forgetting; larger: smoother, slower', 's', minimum=1e-3,
+        maximum=1e6)
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
-    )
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12)
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
-    )
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12)
 
 
 class InstrumentalVariable(OnlineEstimator):
@@ -165,5 +159,4 @@ class InstrumentalVariable(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = self._std
-        return new_tuple(
-            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
+        return new_tuple(ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))

@@ -3,8 +3,6 @@
 
 """Kalman filter for K_e, B_e and the location of the wall."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import copysign, inf, nan, sqrt
 from typing import Sequence
@@ -22,30 +20,23 @@ class KalmanParameters(ParameterGroup):
     """Prior and random walk of the state (K_e, B_e, K_e times location shift)."""
 
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
-    )
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12)
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
-    )
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12)
     location_std: float = parameter(
         0.0,
         'Prior standard deviation of the wall location about the one known or found so far, which '
         'the filter then estimates together with K_e; a lag of the force biases both. 0: found '
-        'as for every estimator, see environment.location_std', 'm', minimum=0.0,
-    )
+        'as for every estimator, see environment.location_std', 'm', minimum=0.0)
     relative_walk: float = parameter(
         0.002,
         'Random walk of K_e and B_e relative to their values; larger: follows changes faster, '
-        'noisier', '1/sqrt(s)', minimum=0.0,
-    )
-    location_walk: float = parameter(
-        1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0
-    )
+        'noisier', '1/sqrt(s)', minimum=0.0)
+    location_walk: float = parameter(1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0)
     resting_speed: float = parameter(
         0.0,
         'No update while the velocity is below this: static friction, which is not compensated, '
-        'may carry part of the force; 0: always updated', 'm/s', minimum=0.0,
-    )
+        'may carry part of the force; 0: always updated', 'm/s', minimum=0.0)
 
 
 class Kalman(OnlineEstimator):

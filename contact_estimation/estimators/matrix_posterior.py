@@ -3,17 +3,13 @@
 
 """Posterior of stiffness, damping, friction, normal and lag of a contact in three axes."""
 
-from __future__ import annotations
-
 from math import exp, pi, sqrt
 from typing import Callable, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .estimate import EstimateStatus
-
-Array = NDArray[np.float64]
+from ..physics.numeric import Array
 
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
@@ -69,7 +65,7 @@ class Sums(NamedTuple):
     weight: float  # rows, as far as their noise is independent
 
     @classmethod
-    def empty(cls) -> Sums:
+    def empty(cls) -> 'Sums':
         """Return sums over nothing."""
         size = _COLUMNS + 3
         return cls(np.zeros((size, size)), np.zeros((9, 9)), np.zeros(6), 0.0)
@@ -114,8 +110,7 @@ def _coefficients(theta: Array) -> Array:
     """Return those of the columns for each force, shape (..., 3, 22): exact to lag^2."""
     K, D = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
     c, lag, share = (theta[..., k:k + 3, None] for k in (18, 22, 25))
-    mu, first, second, mass = (
-        theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
+    mu, first, second, mass = (theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
     inertia = mass - lag * (D + (1.0 - share) * lag * K)
     return np.concatenate([K, D, inertia, mu, -lag * mu, mu @ first, mu @ second, c], axis=-1)
 

@@ -3,8 +3,6 @@
 
 """Adaptive model-following control of an arm of unknown mass and damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,31 +20,24 @@ class ModelFollowingParameters(ParameterGroup):
     target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
     arm_mass: float = parameter(50.0, 'Initial value of the mass of the arm', 'kg', minimum=1e-3)
     arm_damping: float = parameter(
-        200.0, 'Initial value of the damping of the arm', 'N s/m', minimum=1e-3
-    )
+        200.0, 'Initial value of the damping of the arm', 'N s/m', minimum=1e-3)
     arm_range: float = parameter(
         4.0, 'Mass and damping of the arm are limited to this factor of their initial values', '',
-        minimum=1.0,
-    )
+        minimum=1.0)
     error_rate: float = parameter(
         20.0, 'Rate at which x - x_m decays once the arm is known', '1/s', minimum=0.0, maximum=1e3
     )
     feedback_gain: float = parameter(
         2000.0, 'Gain of the filtered error; needs a sample period well below mass / gain',
-        'N s/m', minimum=1e-3,
-    )
+        'N s/m', minimum=1e-3)
     arm_mass_gain: float = parameter(
         6e4, 'Adaptation gain of the mass of the arm; 0: keep the initial value', 'kg s^2/m^2',
-        minimum=0.0,
-    )
+        minimum=0.0)
     arm_damping_gain: float = parameter(
         2e6, 'Adaptation gain of the damping of the arm; 0: keep the initial value', 'kg/m^2',
-        minimum=0.0,
-    )
+        minimum=0.0)
     adaptation_limit: float = parameter(
-        50.0, 'Upper limit of the adaptation rate in fast motion', '1/s',
-        minimum=1e-3,
-    )
+        50.0, 'Upper limit of the adaptation rate in fast motion', '1/s', minimum=1e-3)
 
 
 class Motion(NamedTuple):
@@ -141,11 +132,8 @@ class ModelFollowing:
                        tuning.adaptation_limit * k)
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
-        """
-        Set new tuning while running.
-
-        New initial values replace the estimates of the arm, a new target restarts the model.
-        """
+        """Set new tuning while running."""
+        # New initial values replace the estimates of the arm, a new target restarts the model.
         old = self._p
         self._set(tuning)
         if (tuning.arm_mass, tuning.arm_damping) != (old.arm_mass, old.arm_damping):

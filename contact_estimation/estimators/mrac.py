@@ -3,8 +3,6 @@
 
 """Model reference adaptive control in the structure of Singh and Popa (1995)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
@@ -28,15 +26,12 @@ class ModelReferenceParameters(ParameterGroup):
     """Tuning of the environment estimator and of the controller of the arm."""
 
     stiffness_gain: float = parameter(
-        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0
-    )
+        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0)
     damping_gain: float = parameter(
-        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0
-    )
+        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0)
     memory_s: float = parameter(
         1.0, 'Time over which eq. (25) is averaged; 0: eq. (25) as published, which '
-        'without excitation keeps the error of B from touch-down', 's', minimum=0.0, maximum=60.0,
-    )
+        'without excitation keeps the error of B from touch-down', 's', minimum=0.0, maximum=60.0)
     control: ModelFollowingParameters = group(ModelFollowingParameters)
 
 
@@ -144,12 +139,9 @@ class ModelReferenceAdaptive(OnlineEstimator):
         return 1.0 - share, share
 
     def _spread(self, S: Matrix, keep: float) -> None:
-        """
-        Pass the covariances through theta <- A theta + S Q, A = I - S R.
-
-        With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
-        P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
-        """
+        """Pass the covariances through theta <- A theta + S Q, A = I - S R."""
+        # With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
+        # P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
         (s, t, u, v), (r, q, w), (n, o, m) = S, self._R, self._N
         a, b, c, d = 1.0 - s * r - t * q, -s * q - t * w, -u * r - v * q, 1.0 - u * q - v * w
         e, f, g, h = self._C

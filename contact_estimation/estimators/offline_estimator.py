@@ -3,8 +3,6 @@
 
 """Estimators that need the whole of a recording."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple

@@ -3,8 +3,6 @@
 
 """Recursive least squares on the bilinear form, eqs. (28) to (39)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
@@ -21,20 +19,17 @@ class RecursiveLeastSquaresParameters(ParameterGroup):
     """Start and forgetting of eqs. (36) to (38)."""
 
     forgetting_factor: float = parameter(
-        0.98, 'lambda per sample; nearer to 1: smoother, slower', minimum=0.5, maximum=1.0
-    )
+        0.98, 'lambda per sample; nearer to 1: smoother, slower', minimum=0.5, maximum=1.0)
     initial_covariance: float = parameter(
         1e10,
         'Diagonal of P[0] in the coordinates A, B, C of eq. (31). The 1e5 of the paper is a '
         'narrow prior of B_e and M_e: the standard deviations of a first touch are far too small',
-        minimum=1e-12, maximum=1e20,
-    )
+        minimum=1e-12, maximum=1e20)
     estimate_inertia: bool = parameter(True, 'Estimate M_e too; false: M_e = 0')
     maximum_relative_std: float = parameter(
         0.1,
         'A parameter is not forgotten while its standard deviation exceeds this share of it, '
-        'which prevents covariance wind-up', minimum=1e-4,
-    )
+        'which prevents covariance wind-up', minimum=1e-4)
 
 
 class RecursiveLeastSquares(OnlineEstimator):
@@ -146,8 +141,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         known_B = free_B and variance * BB < limit_B * limit_B
         if known_K and known_B:  # the usual case of `grow`
             g_M = g if free_M else 1.0
-            return (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M,
-                    MM * g_M * g_M)
+            return (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M, MM * g_M * g_M)
         return grow(P, (g if known_K else 1.0, g if known_B else 1.0, 1.0))
 
     def current(self) -> ParameterEstimate:
@@ -156,13 +150,11 @@ class RecursiveLeastSquares(OnlineEstimator):
         return ParameterEstimate(
             self.stiffness, self.damping, sqrt(averaged * max(self._P[0], 0.0)),
             sqrt(averaged * max(self._P[3], 0.0)), 0.0,
-            self._M if self._p.estimate_inertia else nan,
-        )
+            self._M if self._p.estimate_inertia else nan)
 
 
 def _project(
-    theta: tuple[float, float, float],
-    P: tuple[float, float, float, float, float],
+    theta: tuple[float, float, float], P: tuple[float, float, float, float, float],
     limits: tuple[float, float, float],
 ) -> tuple[float, float, float]:
     """Project onto a limit along the covariance, so that K, B and M move consistently."""

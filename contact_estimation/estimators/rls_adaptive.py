@@ -3,8 +3,6 @@
 
 """Recursive least squares with a forgetting factor that adapts to the prediction error."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
@@ -23,27 +21,21 @@ class AdaptiveLeastSquaresParameters(ParameterGroup):
     """Start and forgetting."""
 
     smallest_forgetting_factor: float = parameter(
-        0.9, 'Lower limit of lambda per sample', minimum=0.5, maximum=1.0
-    )
+        0.9, 'Lower limit of lambda per sample', minimum=0.5, maximum=1.0)
     memory_samples: float = parameter(
         300.0,
         'Number of rows averaged while their errors stay within the noise; larger: smoother, '
-        'slower to detect a change', minimum=2.0, maximum=1e9,
-    )
+        'slower to detect a change', minimum=2.0, maximum=1e9)
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
-    )
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12)
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
-    )
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12)
     inertia_std: float = parameter(
-        10.0, 'Prior standard deviation of M_e; 0: M_e = 0', 'kg', minimum=0.0, maximum=1e6
-    )
+        10.0, 'Prior standard deviation of M_e; 0: M_e = 0', 'kg', minimum=0.0, maximum=1e6)
     maximum_relative_std: float = parameter(
         0.1,
         'A parameter is not forgotten while its standard deviation exceeds this share of it, '
-        'which prevents covariance wind-up', minimum=1e-4,
-    )
+        'which prevents covariance wind-up', minimum=1e-4)
 
 
 class AdaptiveLeastSquares(OnlineEstimator):

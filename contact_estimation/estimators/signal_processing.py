@@ -3,8 +3,6 @@
 
 """The signal processing method of the paper, eqs. (8) to (18), exactly as published."""
 
-from __future__ import annotations
-
 from math import nan, pi, sqrt
 
 import numpy as np
@@ -62,9 +60,7 @@ def damping_ratio(cycles: float) -> float:
     return turns / sqrt(cycles**2 + turns**2)
 
 
-def step_response(
-    recording: ContactRecording,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def step_response(recording: ContactRecording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
     Return the step response in a recording, from the onset of the force on.
 
@@ -78,8 +74,7 @@ def step_response(
     if len(force) - begin < FFT_POINTS:
         raise EstimationError(
             f'signal processing needs {FFT_POINTS} samples after a step of the force, got '
-            f'{len(force) - begin}; record longer, or check the sign of the force'
-        )
+            f'{len(force) - begin}; record longer, or check the sign of the force')
     return recording.t[begin:] - recording.t[begin], force[begin:]
 
 

@@ -3,8 +3,6 @@
 
 """Signal processing by a fit of the whole decay instead of FFT bins."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import Any
 
@@ -47,8 +45,7 @@ class SignalProcessingRefined(OfflineEstimator):
         if not w_d > 2.0 * pi / float(t[-1]) or not decay > 0.0:
             raise EstimationError(
                 'signal processing needs an under-damped step response, got one without '
-                'oscillation; choose a softer or less damped target impedance'
-            )
+                'oscillation; choose a softer or less damped target impedance')
         w_n = sqrt(w_d**2 + decay**2)
         K_e, B_e = environment_of(w_n, decay / w_n, self._target)
         return OfflineEstimate(K_e, B_e, *self._spread(t, force, w_d, decay))
@@ -60,9 +57,8 @@ class SignalProcessingRefined(OfflineEstimator):
         from scipy.optimize import least_squares  # slow to import, and no node needs it
 
         return least_squares(
-            lambda p: force - fitted(t, force, float(p[0]), float(p[1])),
-            (w_d, decay), loss='soft_l1', f_scale=0.5 * scale, x_scale=(w_d, decay),
-        )
+            lambda p: force - fitted(t, force, float(p[0]), float(p[1])), (w_d, decay),
+            loss='soft_l1', f_scale=0.5 * scale, x_scale=(w_d, decay))
 
     def _spread(
         self, t: NDArray[np.float64], force: NDArray[np.float64], w_d: float, decay: float
@@ -95,8 +91,7 @@ def decomposition(
     """
     envelope = np.exp(-abs(decay) * t)
     basis = np.column_stack(
-        [np.ones_like(t), envelope * np.cos(w_d * t), envelope * np.sin(w_d * t)]
-    )
+        [np.ones_like(t), envelope * np.cos(w_d * t), envelope * np.sin(w_d * t)])
     return basis, np.linalg.lstsq(basis, force, rcond=None)[0]
 
 

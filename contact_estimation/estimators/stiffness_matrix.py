@@ -3,22 +3,18 @@
 
 """Full 3 x 3 stiffness and damping of a contact from three forces and three positions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from .estimate import EstimateStatus
 from .matrix_posterior import direction_of, MatrixEstimate, posterior, Sums, tangents
 from ..parameters import parameter, ParameterGroup
+from ..physics.numeric import Array
 from ..signals.contact_sample import AxesSample
-
-Array = NDArray[np.float64]
 
 _BLOCK = 50  # samples between estimates
 _HELD = 10  # samples held back: a release is detected late
@@ -47,9 +43,8 @@ class StiffnessMatrixParameters(ParameterGroup):
     """Memory of the estimator of the full matrices."""
 
     memory_s: float = parameter(
-        5.0, 'Time constant in contact after which samples are forgotten', 's',
-        minimum=0.1, maximum=1e4,
-    )
+        5.0, 'Time constant in contact after which samples are forgotten', 's', minimum=0.1,
+        maximum=1e4)
 
 
 class _Block(NamedTuple):
@@ -129,8 +124,7 @@ class StiffnessMatrix:
             self._moved = self._moved or moves
             self._blocks = [*self._blocks, block][-_KEPT:]
             self._add(self._blocks[-1:])
-            self.estimate, normal = posterior(
-                stamp_ns, self._sums, self._normal, self._timing_std)
+            self.estimate, normal = posterior(stamp_ns, self._sums, self._normal, self._timing_std)
             if float(np.linalg.norm(normal - self._normal)) > _TURN:
                 self._normal, self._sums = normal, Sums.empty()
                 self._add(self._blocks)
@@ -214,5 +208,4 @@ def matrices(estimate: MatrixEstimate) -> Array:
 def principal_table(estimate: MatrixEstimate) -> Array:
     """Return the array of `~/principal_stiffness`, shape (3, 6), as in PRINCIPAL_LABELS."""
     return np.column_stack([
-        estimate.principal, estimate.principal_std, estimate.directions, estimate.direction_std,
-    ])
+        estimate.principal, estimate.principal_std, estimate.directions, estimate.direction_std])

@@ -7,8 +7,6 @@ Kalman corrections of three states in scalars.
 Array operations on three by three matrices take ten times as long.
 """
 
-from __future__ import annotations
-
 State = tuple[float, float, float]
 Covariance = tuple[float, float, float, float, float, float]
 """Upper triangle (aa, ab, ac, bb, bc, cc) of a symmetric matrix of the states (a, b, c)."""
@@ -85,9 +83,7 @@ def _given(P: Covariance) -> float:
     return max(aa - by_others, 0.0)
 
 
-def constrain(
-    x: State, P: Covariance, normal: State, low: float, high: float
-) -> State:
+def constrain(x: State, P: Covariance, normal: State, low: float, high: float) -> State:
     """
     Project states onto limits of a linear combination of them, along their covariance.
 

@@ -113,6 +113,11 @@ class Change(NamedTuple):
     # number of groups and families
     chance: float
 
+    @property
+    def rises(self) -> bool:
+        """Whether the family is named more often after the change."""
+        return self.before[0] * self.after[1] < self.after[0] * self.before[1]
+
 
 def changes(entries: Sequence[Entry], seed: int = 0) -> list[Change]:
     """Find the changes of what is named."""
@@ -157,12 +162,9 @@ def _change(
 
 
 def _chance(named: NDArray[np.bool_], rng: np.random.Generator) -> float:
-    """
-    Return the probability that a random order shows a change as clear.
-
-    By permutations; where none does, by Fisher's exact test times the number of places, a bound
-    that may be far smaller than one over the number of permutations.
-    """
+    """Return the probability that a random order shows a change as clear."""
+    # By permutations; where none does, by Fisher's exact test times the number of places, a bound
+    # that may be far smaller than one over the number of permutations.
     gain = _gains(named[None])[0]
     drawn = rng.permuted(np.tile(named, (_DRAWS, 1)), axis=1)
     as_clear = int(np.sum(_gains(drawn).max(axis=1) >= gain.max() - 1e-9))
@@ -222,13 +224,10 @@ class _Pair(NamedTuple):
 
 
 def differences(entries: Sequence[Entry]) -> list[Difference]:
-    """
-    Find the groups that differ from more than half of the other groups.
-
-    Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
-    (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
-    recordings do not resolve do not differ.
-    """
+    """Find the groups that differ from more than half of the other groups."""
+    # Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
+    # (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
+    # recordings do not resolve do not differ.
     groups = {group: known for group, members in by_group(entries).items()
               if len(known := [one for one in distinct(members) if one.report]) >= _LEAST_OF_GROUP}
     families = sorted({family for members in groups.values()
@@ -246,15 +245,15 @@ def _pairs(groups: Members, first: str, second: str, families: Sequence[str]) ->
     a, b = groups[first], groups[second]
     pairs = []
     for quantity in QUANTITIES:
-        values = [_values(members, quantity) for members in (a, b)]
-        if min(map(len, values)) >= _LEAST_OF_GROUP:
-            between = float(np.median(values[0]) - np.median(values[1]))
-            resolved = is_resolved(between, _stds([*a, *b], quantity))
-            chance = float(mannwhitneyu(*values).pvalue) if resolved else 1.0
+        (own, own_std), (other, other_std) = (_values(members, quantity) for members in (a, b))
+        if min(len(own), len(other)) >= _LEAST_OF_GROUP:
+            between = float(np.median(own) - np.median(other))
+            resolved = is_resolved(between, np.append(own_std, other_std))
+            chance = float(mannwhitneyu(own, other).pvalue) if resolved else 1.0
             pairs.append(_Pair(quantity, (first, second), chance))
     for family in families:
-        counts = [[hits, len(members) - hits] for members in (a, b)
-                  for hits in (_named(members, family),)]
+        counts = [[_named(members, family), len(members) - _named(members, family)]
+                  for members in (a, b)]
         pairs.append(_Pair(family, (first, second), float(fisher_exact(counts)[1])))
     return pairs
 
@@ -268,19 +267,16 @@ def _difference(
         return None
     rest = [entry for name, members in groups.items() if name != group for entry in members]
     measure: Callable[[list[Entry]], float] = (
-        (lambda members: float(np.median(_values(members, what)))) if what in QUANTITIES
+        (lambda members: float(np.median(_values(members, what)[0]))) if what in QUANTITIES
         else (lambda members: _named(members, what) / len(members)))
     return Difference(group, what, measure(groups[group]), measure(rest), len(differing),
                       len(own), max(pair.chance for pair in differing))
 
 
-def _values(members: Sequence[Entry], quantity: str) -> list[float]:
-    return [value[0] for entry in members if (value := entry.corrected(quantity)) is not None]
-
-
-def _stds(members: Sequence[Entry], quantity: str) -> NDArray[np.float64]:
-    return np.array([value[1] for entry in members
-                     if (value := entry.corrected(quantity)) is not None])
+def _values(members: Sequence[Entry], quantity: str) -> NDArray[np.float64]:
+    """Return values and their standard deviations, shape (2, N)."""
+    return np.array([entry.corrected(quantity) for entry in members
+                     if entry.corrected(quantity) is not None]).reshape(-1, 2).T
 
 
 def _named(members: Sequence[Entry], family: str) -> int:

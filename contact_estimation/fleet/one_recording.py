@@ -164,6 +164,12 @@ OUTCOME_NAMES = {'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s',
 POOLED_NAMES = {'version', 'report', 'error'}
 
 
+def nothing(settings: Settings, error: str) -> Outcome:
+    """Return the outcome of a recording of which nothing is known, ready to be filled."""
+    return {'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
+            'diagnosed_s': None, 'report': None, 'error': error}
+
+
 class Result(NamedTuple):
     """What a worker returns."""
 
@@ -173,12 +179,7 @@ class Result(NamedTuple):
 
 def process(path: str, settings: Settings, with_page: bool) -> Result:
     """Replay and diagnose a recording."""
-    outcome: Outcome = {
-        'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
-        'diagnosed_s': None, 'report': None, 'error': '',
-    }
-    page = ''
-    errors: list[str] = []
+    outcome, page, errors = nothing(settings, ''), '', list[str]()
 
     def attempt(step: Callable[[], Any]) -> Any:
         try:

@@ -1,12 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The fleet as one self-contained HTML page: `prepare_NAME` makes the data of NAME.html."""
+"""
+The fleet as one self-contained HTML page, `fleet.html`.
+
+`prepare_NAME` makes the data of a section; one whose data are None is left out.
+"""
 
 from collections import Counter
 from datetime import datetime, timezone
 from math import floor, isfinite, log10
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -122,8 +126,7 @@ def prepare_changes(fleet: Fleet) -> dict[str, Any] | None:
         'changes': [
             {'change': change, 'family': words(change.family), 'start': start_of(change.entry),
              'chance': probability(change.chance)}
-            for change in fleet.changes
-        ],
+            for change in fleet.changes],
         'figure': plot_names(fleet.entries),
     }
 
@@ -142,15 +145,13 @@ def prepare_differences(fleet: Fleet) -> dict[str, Any] | None:
 
 def prepare_errors(fleet: Fleet) -> dict[str, Any] | None:
     """Return the recordings with an error or a failed check; None if there are none."""
-    failed = [(entry, entry.outcome['error']) for entry in fleet.failed]
-    refused = [(entry, _failed_checks(entry.outcome['report'])) for entry in fleet.entries
-               if entry.outcome['report'] and entry.report is None]
-    return {'failed': failed, 'refused': refused} if failed or refused else None
-
-
-def _failed_checks(report: dict[str, Any]) -> str:
-    return '; '.join(f'{words(check["name"])}: {check["text"]}' for check in report['checks']
-                     if not check['ok'])
+    found = [(entry, entry.outcome['error']) for entry in fleet.failed]
+    for entry in fleet.entries:
+        if entry.outcome['report'] and entry.report is None:
+            found.append((entry, '; '.join(
+                f'{words(check["name"])}: {check["text"]}'
+                for check in entry.outcome['report']['checks'] if not check['ok'])))
+    return {'found': found} if found else None
 
 
 def prepare_names(fleet: Fleet) -> dict[str, Any] | None:
@@ -184,7 +185,7 @@ def prepare_pooled(fleet: Fleet) -> dict[str, Any] | None:
 def _group(result: PooledResult) -> dict[str, Any]:
     report = result.whole['report']
     families = _families(report)
-    rows = [{'entry': entry, **_left_out(outcome, families)}
+    rows = [_left_out(entry, outcome, families)
             for entry, outcome in zip(result.pool.members, result.left_out)]
     return {
         'name': result.pool.group, 'since': result.pool.since, 'page': result.page,
@@ -194,16 +195,14 @@ def _group(result: PooledResult) -> dict[str, Any]:
     }
 
 
-def _left_out(outcome: dict[str, Any], families: list[str]) -> dict[str, Any]:
+def _left_out(entry: Entry, outcome: dict[str, Any], families: list[str]) -> dict[str, Any]:
     """Return what the other recordings name, and how they predict the one left out."""
     report = outcome['report']
-    return {
-        'names': [words(effect['name']) for effect in report['effects']] if report else [],
-        'same': report is not None and _families(report) == families,
-        'force': report['fit']['force_rmse_n'] if report else None,
-        'noise': report['fit']['noise_floor_n'] if report else None,
-        'error': outcome['error'],
-    }
+    if report is None:
+        return {'entry': entry, 'same': False, 'force': None, 'error': outcome['error']}
+    return {'entry': entry, 'same': _families(report) == families,
+            'names': [words(effect['name']) for effect in report['effects']],
+            'force': report['fit']['force_rmse_n'], 'noise': report['fit']['noise_floor_n']}
 
 
 def _families(report: dict[str, Any] | None) -> list[str]:
@@ -231,17 +230,16 @@ def prepare_summary(fleet: Fleet) -> dict[str, Any]:
     """Return counts and findings."""
     verdicts = Counter(words(entry.report['verdict']) for entry in fleet.entries if entry.report)
     findings = [
-        f'{change.group}: {words(change.family)} '
-        f'{"appears" if _rises(change.before, change.after) else "disappears"} from recording '
-        f'{change.number} of the group on (number {change.entry.number} of all, '
-        f'{change.entry.name})'
-        for change in fleet.changes
-    ]
-    findings += [_of_trend(trend) for trend in trends(fleet.entries) if trend.significant]
-    findings += [
-        f'{group} differs from the other groups in {", ".join(what)}'
-        for group, what in _different(fleet).items()
-    ]
+        f'{one.group}: {words(one.family)} {"appears" if one.rises else "disappears"} from '
+        f'recording {one.number} of the group on (number {one.entry.number} of all, '
+        f'{one.entry.name})' for one in fleet.changes]
+    for trend in trends(fleet.entries):
+        if trend.significant:
+            slope, low, high, _ = signed_percents(trend)
+            findings.append(f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % '
+                            f'per recording (95 % interval {low} to {high})')
+    findings += [f'{group} differs from the other groups in {", ".join(what)}'
+                 for group, what in _different(fleet).items()]
     return {
         'recordings': len(fleet.entries), 'failed': len(fleet.failed),
         'refused': sum(entry.outcome['report'] is not None and entry.report is None
@@ -250,16 +248,6 @@ def prepare_summary(fleet: Fleet) -> dict[str, Any]:
         'verdicts': verdicts.most_common(), 'findings': findings,
         'version': fleet.settings.version,
     }
-
-
-def _of_trend(trend: Trend) -> str:
-    slope, low, high, _ = signed_percents(trend)
-    return (f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % per recording '
-            f'(95 % interval {low} to {high})')
-
-
-def _rises(before: tuple[int, int], after: tuple[int, int]) -> bool:
-    return before[0] * after[1] < after[0] * before[1]
 
 
 def _different(fleet: Fleet) -> dict[str, list[str]]:
@@ -297,25 +285,12 @@ def _trend_row(trend: Trend) -> dict[str, Any]:
     }
 
 
-SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
-    'summary': prepare_summary,
-    'changes': prepare_changes,
-    'trends': prepare_trends,
-    'differences': prepare_differences,
-    'names': prepare_names,
-    'pooled': prepare_pooled,
-    'errors': prepare_errors,
-    'recordings': prepare_recordings,
-}
-"""In the order of the page. A section whose data are None is left out."""
-
-
 def as_html(fleet: Fleet) -> str:
     """Build the page."""
-    prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
-    environment = diagnosis_page.environment(
-        __package__, 'contact_estimation.diagnosis.report')
-    return environment.get_template('page.html').render(
+    environment = diagnosis_page.environment(__package__, 'contact_estimation.diagnosis.report')
+    return environment.get_template('fleet.html').render(
         verdict='fleet', title=f'{len(fleet.entries)} recordings',
-        sections={name: data for name, data in prepared.items() if data is not None},
-    )
+        summary=prepare_summary(fleet), changes=prepare_changes(fleet),
+        trends=prepare_trends(fleet), differences=prepare_differences(fleet),
+        names=prepare_names(fleet), pooled=prepare_pooled(fleet), errors=prepare_errors(fleet),
+        recordings=prepare_recordings(fleet))

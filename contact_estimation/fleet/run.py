@@ -6,15 +6,15 @@
 from dataclasses import dataclass
 import json
 from pathlib import Path
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
 from .discovery import FoundRecording
 from .findings import by_group, Change, changes
 from .one_recording import (
-    Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, recording_sha256, Result,
-    Settings)
+    nothing, Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, recording_sha256,
+    Result, Settings)
 from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import json_content, printable, write_whole
@@ -103,9 +103,8 @@ def pooled_calls(pool: Pool, settings: Settings, with_page: bool) -> dict[str, C
     for left_out in members:
         others = [one for one in members if one is not left_out]
         key = settings.key('left out', left_out.sha256, *(one.sha256 for one in others))
-        arguments: tuple[Any, ...] = (
-            [one.path for one in others], [left_out.path], settings, False)
-        calls[key] = Call(process_pooled, arguments)
+        calls[key] = Call(process_pooled, (
+            [one.path for one in others], [left_out.path], settings, False))
     return calls
 
 
@@ -148,7 +147,7 @@ def run_fleet(
             for one in found if one.path in hashes}
     calls = {keys[path]: Call(process, (path, settings, with_pages)) for path in keys}
     outcomes, there = _finish(calls, finished, workers, with_pages, progress)
-    outcomes.update({one.path: _nothing(settings, unreadable[one.path])
+    outcomes.update({one.path: nothing(settings, unreadable[one.path])
                      for one in found if one.path in unreadable})
     entries = in_time(
         Entry.of(one, hashes.get(one.path, ''), outcomes[keys.get(one.path, one.path)],
@@ -195,7 +194,7 @@ def _kept(key: str, answer: Answer, call: Call, finished: Finished) -> Outcome:
     """Keep a result, also one that says why a recording is unusable; not a worker's failure."""
     if answer.error is not None:
         settings = next(one for one in call.arguments if isinstance(one, Settings))
-        return _nothing(settings, _in_words(answer.error))
+        return nothing(settings, _in_words(answer.error))
     result: Result = answer.value
     finished.keep(key, result)
     return result.outcome
@@ -214,11 +213,6 @@ def _pooled(
         whole, *others = of_pool
         page = finished.page(whole) if with_pages else ''
         yield PooledResult(pool, outcomes[whole], page, [outcomes[key] for key in others])
-
-
-def _nothing(settings: Settings, error: str) -> Outcome:
-    return {'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
-            'diagnosed_s': None, 'report': None, 'error': error}
 
 
 def _in_words(error: BaseException) -> str:

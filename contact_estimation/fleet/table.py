@@ -128,13 +128,9 @@ def distinct(entries: Iterable[Entry]) -> list[Entry]:
 
 def in_time(entries: Iterable[Entry]) -> list[Entry]:
     """Sort recordings by their first stamps, and number them."""
-    named = sorted(entries, key=_by_name)
+    named = sorted(entries, key=lambda entry: (entry.group, natural_order(entry.name)))
     order = sorted(range(len(named)), key=lambda place: (_start(named, place), place))
     return [replace(named[place], number=number) for number, place in enumerate(order, 1)]
-
-
-def _by_name(entry: Entry) -> tuple[str, list[tuple[int, str]]]:
-    return entry.group, natural_order(entry.name)
 
 
 def _start(named: Sequence[Entry], place: int) -> float:
@@ -148,9 +144,6 @@ def _start(named: Sequence[Entry], place: int) -> float:
                     and named[k].outcome['start_ns'] is not None), None) for side in sides]
     known = [stamp for stamp in stamps if stamp is not None]
     return sum(known) / len(known) if known else -1.0
-
-
-_NO_EPISODE = {'episode': 0}
 
 
 def as_parquet(entries: Sequence[Entry], model_sha256: str) -> bytes:
@@ -186,26 +179,29 @@ def rows_of(entry: Entry, model_sha256: str) -> Iterator[dict[str, Any]]:
         'version': outcome['version'], 'sha256': entry.sha256 or None,
         'model_sha256': model_sha256, **(_of_report(report) if report else {}),
     }
-    for episode in outcome['episodes'] or [_NO_EPISODE]:
+    for episode in outcome['episodes'] or [{'episode': 0}]:
         yield {**common, **episode}
 
 
+_BASE = 'stiffness', 'damping'
+
+
 def _of_report(report: dict[str, Any]) -> dict[str, Any]:
-    effects, fit = report['effects'], report['fit']
+    effects, fit, checks = report['effects'], report['fit'], report['checks']
     low, high = fit['improvement_interval'] or (None, None)
-    checks = report['checks']
     return {
         'verdict': report['verdict'],
-        'names': [effect['name'] for effect in effects],
-        'families': [effect['family'] for effect in effects],
-        'probabilities': [effect['probability'] for effect in effects],
-        'shares': [effect['share'] for effect in effects],
+        **{column: [effect[key] for effect in effects] for column, key in (
+            ('names', 'name'), ('families', 'family'), ('probabilities', 'probability'),
+            ('shares', 'share'))},
         'shares_low': [effect['share_interval'][0] for effect in effects],
         'shares_high': [effect['share_interval'][1] for effect in effects],
         'parameters': [{'effect': effect['name'], 'name': name, **value}
                        for effect in effects for name, value in effect['parameters'].items()],
         'remainder_share': (report['remainder'] or {}).get('share'),
-        **_base_parameters(report),
+        **{f'corrected_{which}{end}': report['corrected'][which][part] for end, part in (
+            ('', 'value'), ('_std', 'std')) for which in _BASE},
+        **{f'recalibrated_{which}': report['recalibrated'][which] for which in _BASE},
         'noise_floor_n': fit['noise_floor_n'],
         **{f'force_rmse_{name}_n': value for name, value in fit['force_rmse_n'].items()},
         **{f'motion_rmse_{name}_m': value
@@ -213,17 +209,6 @@ def _of_report(report: dict[str, Any]) -> dict[str, Any]:
         'improvement_low': low, 'improvement_high': high,
         'failed_checks': [check['name'] for check in checks if not check['ok']],
         'checks': checks,
-    }
-
-
-def _base_parameters(report: dict[str, Any]) -> dict[str, float | None]:
-    corrected, recalibrated = report['corrected'], report['recalibrated']
-    return {
-        name: value for which in ('stiffness', 'damping') for name, value in (
-            (f'corrected_{which}', corrected[which]['value']),
-            (f'corrected_{which}_std', corrected[which]['std']),
-            (f'recalibrated_{which}', recalibrated[which]),
-        )
     }
 
 
@@ -242,5 +227,4 @@ def _schema(pyarrow: Any) -> Any:
     return pyarrow.schema([
         pyarrow.field(column.name, kinds[column.kind],
                       metadata={'unit': column.unit, 'meaning': column.meaning})
-        for column in COLUMNS
-    ])
+        for column in COLUMNS])

@@ -132,12 +132,9 @@ class ArmDynamics:
         return np.einsum('nij,ni->nj', self.jacobian(q, outside.frame), outside.wrench)
 
     def apparent_mass(self, q: Array, frame: str, normal: Array) -> Array:
-        """
-        Return the mass (N,) [kg] of a link along n (3,) of the root: 1 / (n . J M^-1 J^T n).
-
-        O. Khatib, A unified approach for motion and force control of robot manipulators, IEEE J.
-        Robotics and Automation 3(1), 1987, eq. (19).
-        """
+        """Return the mass (N,) [kg] of a link along n (3,) of the root: 1 / (n . J M^-1 J^T n)."""
+        # O. Khatib, A unified approach for motion and force control of robot manipulators, IEEE J.
+        # Robotics and Automation 3(1), 1987, eq. (19).
         along = np.einsum('nij,j->ni', self.axes(q, frame).transpose(0, 2, 1), normal)
         rows = np.einsum('nij,ni->nj', self.jacobian(q, frame)[:, :3], along)
         return np.array([1.0 / (row @ np.linalg.solve(

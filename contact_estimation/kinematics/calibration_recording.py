@@ -3,8 +3,6 @@
 
 """Blocks of a recording for the calibration of a tool: mean wrenches and the motion."""
 
-from __future__ import annotations
-
 from array import array
 from typing import Sequence
 
@@ -56,8 +54,7 @@ def read_blocks(
     if not len(centres):
         raise RecordingError(
             f'wrench and joint states of {reader.path} overlap in time for '
-            f'{(end - begin) * 1e-9:.3g} s, expected seconds; check the stamps of both topics'
-        )
+            f'{(end - begin) * 1e-9:.3g} s, expected seconds; check the stamps of both topics')
     place = np.floor((wrench_ns - begin) * 1e-9 / BLOCK_S).astype(int)
     inside = (place >= 0) & (place < len(centres))
     counts = np.bincount(place[inside], minlength=len(centres))
@@ -69,8 +66,7 @@ def read_blocks(
     if not have.any():
         raise RecordingError(
             f'no 0.1 s of {reader.path} has 3 wrenches and joint states with gaps below '
-            f'{_LONGEST_GAP_S:g} s; check the rates of both topics'
-        )
+            f'{_LONGEST_GAP_S:g} s; check the rates of both topics')
     f, w, alpha, a = _motion(model, q[:, :, have], mount)
     limits = ((w, _FASTEST_TURN), (alpha, _FASTEST_SPIN_UP), (a, _FASTEST_START))
     slow = np.all([np.linalg.norm(each, axis=1) < limit for each, limit in limits], axis=0)
@@ -108,14 +104,13 @@ def _read(
         if len(times) < 2:
             raise RecordingError(
                 f'{reader.path} has {len(times)} messages of {name}, expected a recording with '
-                f'wrenches and the joints {", ".join(names)}; last refused: {seen}'
-            )
+                f'wrenches and the joints {", ".join(names)}; last refused: {seen}')
     signals = [_in_order(times, np.array(values, np.float64).reshape(len(times), -1))
                for times, values in zip(stamps, rows)]
     return *signals[-1], [(times, values[:, 0]) for times, values in signals[:-1]]
 
 
-def _in_order(times: array[int], values: Array) -> tuple[np.ndarray, Array]:
+def _in_order(times: 'array[int]', values: Array) -> tuple[np.ndarray, Array]:
     stamps, first = np.unique(np.array(times, np.int64), return_index=True)
     finite = np.isfinite(values[first]).all(axis=1)
     return stamps[finite], values[first][finite]

@@ -110,8 +110,7 @@ class ContactKinematics:
         R_sensor = self._sensor_axes(motion, R, p)
         wrench = self._compensated(measured, R_sensor)
         self._force = R_sensor @ wrench[:3]
-        self.state = ArmState(
-            R, p, self._normal, wrench, self._twist, R_sensor, self._origin)
+        self.state = ArmState(R, p, self._normal, wrench, self._twist, R_sensor, self._origin)
         return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
 
     def components(self, place: int) -> tuple[float, float, float]:
@@ -178,6 +177,5 @@ def unit_normal(contact: ContactParameters) -> Array:
         raise ParameterRangeError(
             'contact.normal must be a direction of three numbers, into the wall, for an arm '
             f'(kinematics.tip is set), got {list(contact.normal)}; such as [0.0, 0.0, -1.0] for '
-            'a table below, with contact.normal_frame base'
-        )
+            'a table below, with contact.normal_frame base')
     return np.array(contact.normal) / length

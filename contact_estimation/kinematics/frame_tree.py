@@ -90,12 +90,9 @@ def product(first: Pose, second: Pose) -> Pose:
     a, b, c, d = first[3], first[4], first[5], first[6]
     e, f, g, h = second[3], second[4], second[5], second[6]
     return (
-        first[0] + x, first[1] + y, first[2] + z,
-        d * e + a * h + b * g - c * f,
-        d * f - a * g + b * h + c * e,
-        d * g + a * f - b * e + c * h,
-        d * h - a * e - b * f - c * g,
-    )
+        first[0] + x, first[1] + y, first[2] + z, d * e + a * h + b * g - c * f,
+        d * f - a * g + b * h + c * e, d * g + a * f - b * e + c * h,
+        d * h - a * e - b * f - c * g)
 
 
 def inverse(pose: Pose) -> Pose:
@@ -118,8 +115,7 @@ def matrix_of(pose: Pose) -> NDArray[np.float64]:
     return np.array([
         [1.0 - 2.0 * (b * b + c * c), 2.0 * (a * b - c * d), 2.0 * (a * c + b * d)],
         [2.0 * (a * b + c * d), 1.0 - 2.0 * (a * a + c * c), 2.0 * (b * c - a * d)],
-        [2.0 * (a * c - b * d), 2.0 * (b * c + a * d), 1.0 - 2.0 * (a * a + b * b)],
-    ])
+        [2.0 * (a * c - b * d), 2.0 * (b * c + a * d), 1.0 - 2.0 * (a * a + b * b)]])
 
 
 class Step(NamedTuple):

@@ -43,14 +43,12 @@ class RobotModel:
             raise ModelFileError(
                 f'kinematics.base {base!r} must carry kinematics.tip {tip!r}, but '
                 f'{_names(model, wrong)} moves the base and not the tip; choose a base nearer to '
-                'the root of the description'
-            )
+                'the root of the description')
         chain = above_tip[len(above_base):]
         if not chain:
             raise ModelFileError(
                 f'no joint moves kinematics.tip {tip!r} relative to kinematics.base {base!r}; '
-                'choose a tip beyond the joints of the arm'
-            )
+                'choose a tip beyond the joints of the arm')
         fixed = [joint for joint in range(1, model.njoints) if joint not in chain]
         self._full, self._chain = model, frozenset([*above_base, *chain])
         self._model = with_locked(pin, model, fixed)
@@ -61,8 +59,7 @@ class RobotModel:
             wide = [name for name, joint in zip(self.joint_names, joints) if joint.nv != 1]
             raise ModelFileError(
                 f'each joint between {base!r} and {tip!r} must have one degree of freedom, got '
-                f'{wide} with more; choose another base or tip'
-            )
+                f'{wide} with more; choose another base or tip')
         self.continuous = tuple(joint.nq == 2 for joint in joints)
         self._neutral = pin.neutral(self._model) if any(self.continuous) else None
         self._frames: dict[str, int] = {}
@@ -127,8 +124,7 @@ class RobotModel:
         pose = self._library.updateFramePlacement(self._model, self._data, place)
         if self._is_root:
             return pose.rotation.copy(), pose.translation.copy()
-        return (self._from_root @ pose.rotation,
-                self._from_root @ (pose.translation - self._root))
+        return (self._from_root @ pose.rotation, self._from_root @ (pose.translation - self._root))
 
     def _configuration(self, q: Sequence[float] | Array) -> Array:
         angles = np.asarray(q, float)
@@ -145,8 +141,7 @@ class RobotModel:
             if unknown:
                 raise ModelFileError(
                     f'frame {frame!r} is moved by {_names(self._full, unknown)}, which do not lie '
-                    f'between {self.base!r} and {self.tip!r}; choose a frame of the arm'
-                )
+                    f'between {self.base!r} and {self.tip!r}; choose a frame of the arm')
             self._frames[frame] = _frame(self._model, frame)
         return self._frames[frame]
 

@@ -68,8 +68,7 @@ def calibrate_tool(blocks: CalibrationBlocks, force_sign: float = 1.0) -> ToolCa
     if len(slow) < 4 * _BLOCKS_OF_POSE:
         raise EstimationError(
             f'the arm rests or moves slowly in {len(slow) * 0.1:.1f} s of '
-            f'{len(blocks.slow) * 0.1:.1f} s; record at least 12 poses, each held for 2 s'
-        )
+            f'{len(blocks.slow) * 0.1:.1f} s; record at least 12 poses, each held for 2 s')
     require_directions(blocks.f[slow])
     theta, sigma = _robust_fit(blocks.Phi[slow], blocks.wrench[slow])
     errors = _size(blocks.wrench[slow] - blocks.Phi[slow] @ theta, sigma)
@@ -79,8 +78,7 @@ def calibrate_tool(blocks: CalibrationBlocks, force_sign: float = 1.0) -> ToolCa
     if len(poses) < 4:
         raise EstimationError(
             f'the free flight of the recording has {len(poses)} poses of 0.3 s or more, expected '
-            'at least 4, better 12; hold each pose for 2 s'
-        )
+            'at least 4, better 12; hold each pose for 2 s')
     require_directions(np.array([blocks.f[pose].mean(axis=0) for pose in poses]))
     theta, P, rms = _fit_between_poses(blocks, poses)
     _require_tool(blocks.wrench[free], theta, rms, force_sign)
@@ -90,8 +88,7 @@ def calibrate_tool(blocks: CalibrationBlocks, force_sign: float = 1.0) -> ToolCa
     return ToolCalibration(
         ToolParameters(float(m), *(tuple(part.tolist()) for part in (c, theta[4:7], theta[7:]))),
         float(std[0]), np.sqrt(np.diag(J @ P[:4, :4] @ J.T)), std[4:7], std[7:], *rms,
-        len(poses), len(blocks.slow), len(blocks.slow) - len(slow), len(slow) - len(free),
-    )
+        len(poses), len(blocks.slow), len(blocks.slow) - len(slow), len(slow) - len(free))
 
 
 def _robust_fit(Phi: Array, wrench: Array) -> tuple[Array, Array]:
@@ -114,9 +111,7 @@ def _size(errors: Array, sigma: Array) -> Array:
     return np.asarray(halves.max(axis=1))
 
 
-def _weighted(
-    Phi: Array, wrench: Array, sigma: Array, weight: Array
-) -> tuple[Array, Array]:
+def _weighted(Phi: Array, wrench: Array, sigma: Array, weight: Array) -> tuple[Array, Array]:
     """Return weighted least squares and the inverse of its normal matrix."""
     scale = np.sqrt(weight)[:, None] / np.repeat(sigma, 3)  # (N, 6)
     A = (Phi * scale[..., None]).reshape(-1, Phi.shape[-1])
@@ -165,8 +160,7 @@ def _require_weight(m: float, std: float) -> None:
         raise EstimationError(
             f'the mass is {m:.2g} +- {std:.2g} kg, so the sensor carries no tool, or no weight '
             'explains the forces; mount the tool, or leave tool.* out without one, and check '
-            'that both topics are of the same arm'
-        )
+            'that both topics are of the same arm')
 
 
 def _correlation(residuals: Array) -> float:
@@ -181,8 +175,7 @@ def _require_free_flight(free: int, slow: int) -> None:
         raise EstimationError(
             f'in {100 * (slow - free) / slow:.0f} % of the recording the wrench is not that of a '
             'tool alone: record free flight, without contact and with no cable pulling, and check '
-            'that the wrench is expressed in force_sensor.frame'
-        )
+            'that the wrench is expressed in force_sensor.frame')
 
 
 def _require_tool(
@@ -193,13 +186,11 @@ def _require_tool(
         raise EstimationError(
             f'no weight explains the forces: they vary by {variation:.3g} N and a tool leaves '
             f'{rms[0]:.3g} N; check force_sensor.frame, the unit of the joints [rad] and that '
-            'both topics are of the same arm'
-        )
+            'both topics are of the same arm')
     if theta[0] <= 0.0:
         raise EstimationError(
             f'the mass is {theta[0]:.3g} kg, so the weight pulls up: change the sign of '
-            f'force_sign (now {force_sign:g}), or turn force_sensor.frame, and calibrate again'
-        )
+            f'force_sign (now {force_sign:g}), or turn force_sensor.frame, and calibrate again')
 
 
 def require_directions(f: Array) -> None:
@@ -225,8 +216,7 @@ def require_directions(f: Array) -> None:
     raise EstimationError(
         f"gravity in the sensor's frame {varies} (mean direction {_text(mean, sign=True)}), which "
         f'does not determine {undetermined}; add poses in which gravity points along {named} of '
-        'the sensor, either way: tilt the tool by 60 degrees or more towards each'
-    )
+        'the sensor, either way: tilt the tool by 60 degrees or more towards each')
 
 
 def _across(mean: Array) -> Array:

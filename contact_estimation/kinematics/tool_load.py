@@ -44,20 +44,13 @@ class ToolParameters(ParameterGroup):
 
     mass: float = parameter(
         0.0, 'Mass of everything beyond the force sensor, as calibrate_tool finds it', 'kg',
-        minimum=0.0, maximum=1000.0,
-    )
+        minimum=0.0, maximum=1000.0)
     centre: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        "Centre of gravity of the tool in the force sensor's frame", 'm'
-    )
+        (0.0, 0.0, 0.0), "Centre of gravity of the tool in the force sensor's frame", 'm')
     force_bias: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        'Force that the sensor reads without any load', 'N'
-    )
+        (0.0, 0.0, 0.0), 'Force that the sensor reads without any load', 'N')
     torque_bias: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        'Torque that the sensor reads without any load', 'N m'
-    )
+        (0.0, 0.0, 0.0), 'Torque that the sensor reads without any load', 'N m')
 
     @property
     def is_on(self) -> bool:
@@ -88,8 +81,7 @@ def load_regressor(f: Array, w: Array | None = None, alpha: Array | None = None)
 def load_vector(tool: ToolParameters) -> Array:
     """Return (m, m c, b_F, b_T), shape (10,), of the parameters."""
     return np.concatenate((
-        [tool.mass], tool.mass * np.asarray(tool.centre), tool.force_bias, tool.torque_bias
-    ))
+        [tool.mass], tool.mass * np.asarray(tool.centre), tool.force_bias, tool.torque_bias))
 
 
 def load_map(tool: ToolParameters) -> tuple[Array, Array]:

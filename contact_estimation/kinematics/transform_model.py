@@ -37,8 +37,7 @@ class MovingFrames:
     """
 
     def __init__(self, frames: Sequence[str], time_jump_s: float) -> None:
-        self._rows: dict[str, deque[Row]] = {
-            frame: deque(maxlen=_MOST_KEPT) for frame in frames}
+        self._rows: dict[str, deque[Row]] = {frame: deque(maxlen=_MOST_KEPT) for frame in frames}
         self._jump_ns = int(time_jump_s * 1e9)
         self._given_ns = BEFORE_ANY
 
@@ -121,8 +120,7 @@ class TransformModel:
         if not self.joint_names:
             raise ModelFileError(
                 f'only static transforms lie between kinematics.base {base!r} and kinematics.tip '
-                f'{tip!r}; choose frames between which /tf has moving ones'
-            )
+                f'{tip!r}; choose frames between which /tf has moving ones')
         self._places = {name: NUMBERS * k for k, name in enumerate(self.joint_names)}
         self.root, pose = tree.root_of(base)
         self.root_axes: Array = matrix_of(pose)
@@ -167,8 +165,7 @@ class TransformModel:
             if other:
                 raise ModelFileError(
                     f'frame {frame!r} moves with {", ".join(other)}, which does not lie between '
-                    f'{self.base!r} and {self.tip!r}; choose a frame of the arm'
-                )
+                    f'{self.base!r} and {self.tip!r}; choose a frame of the arm')
             self._steps[frame] = steps
         return self._steps[frame]
 

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-
-from .law import optional_parameter, Prior, RobotEffect, Scales
+from .law import dataclass, optional_parameter, Prior, RobotEffect, Scales
 
 _SLOWEST_S = 0.1  # of a force or torque loop
 

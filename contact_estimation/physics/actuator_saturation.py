@@ -1,11 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 from .law import (
-    Generator, Number, optional_parameter, positive, Prior, RobotEffect, Scales, Strength)
+    Any, dataclass, Generator, Number, optional_parameter, positive, Prior, RobotEffect, Scales,
+    Strength)
 
 
 @dataclass(frozen=True)

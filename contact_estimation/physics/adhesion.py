@@ -1,13 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Need, Number, optional_parameter, Prior, Scales, State)
+    Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, Prior, Scales,
+    State)
 
 NECK = 1.5e-3
 """Distance from the surface at which adhesion ends [m]."""

@@ -1,14 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 import math
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State)
+    Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, positive, Prior,
+    Scales, State)
 
 TOLERANCE = 0.05
 """Tolerance of measured positions at the end of the play, as a share of the way to it."""

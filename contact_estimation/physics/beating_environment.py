@@ -4,11 +4,10 @@
 from dataclasses import astuple, dataclass
 from itertools import combinations
 from math import pi
-from typing import Any
 
 from .law import (
-    ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen,
-    Strength)
+    Any, ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales,
+    Seen, Strength)
 from .moving_environment import MANY_PERIODS, MovingEnvironment, oscillation
 
 _PERIODS = 3.0  # fewest of the slower tone
@@ -44,11 +43,8 @@ class BeatingEnvironment(ContactEffect):
         return min(self.frequency, self.frequency_2) * duration < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
-        """
-        Need periods, and one that the tones gain on one another (Rayleigh's criterion).
-
-        Two tones of fewer than three periods are any curve of time.
-        """
+        """Need periods, and one that the tones gain on one another (Rayleigh's criterion)."""
+        # Two tones of fewer than three periods are any curve of time.
         low, high = sorted((self.frequency, self.frequency_2))
         return min(low / _PERIODS, high - low) * seen.duration >= 1.0
 

@@ -1,10 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
-from .law import ContactEffect, Number, optional_parameter, positive, Prior, Scales
+from .law import Any, ContactEffect, dataclass, Number, optional_parameter, positive, Prior, Scales
 
 
 @dataclass(frozen=True)

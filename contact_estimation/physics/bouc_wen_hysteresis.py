@@ -1,16 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import expm1, log1p
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Generator, log_uniform, Motion, motion_of, Need, Number,
-    optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
+    Any, Array, ContactEffect, dataclass, Flags, Generator, log_uniform, Motion, motion_of, Need,
+    Number, optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear
@@ -44,9 +42,7 @@ def _branch(beta: float, gamma: float, motion: Motion) -> Array:
     return np.where(np.abs(path.gone) > np.abs(zero), beyond, kept_all * z_0 + added_all)
 
 
-def _propagate(
-    beta: float, gamma: float | Array, gone: Array, way: Array
-) -> tuple[Array, Array]:
+def _propagate(beta: float, gamma: float | Array, gone: Array, way: Array) -> tuple[Array, Array]:
     """Return a and b of z -> a z + b over a distance; gamma carries the sign of z."""
     c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
     x = np.clip(c * gone, -_LARGEST, None)

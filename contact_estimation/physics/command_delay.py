@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-
-from .law import optional_parameter, Prior, RobotEffect, Scales
+from .law import dataclass, optional_parameter, Prior, RobotEffect, Scales
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class Compensation:
         self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float,
         sample_rate: float,
     ) -> None:
-        self._sensor = _sensors(effects)
+        self._sensor = [one for one in effects if isinstance(one, ForceSensorEffect)]
         lagging = [effect for effect in self._sensor if 'reader' in effect.changes]
         self._wall = KnownWall(
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
@@ -147,28 +147,20 @@ class Compensation:
     def _averaged(
         self, terms: Sequence[WallTerms], pressing: float, tool: float, hindrance: str
     ) -> CompensatedSample:
-        """
-        Average the last three samples with the weights of eq. (31).
-
-        The average matches a central difference over the same samples, which is neither delayed
-        against it nor as noisy as an acceleration at the newest sample.
-        """
+        """Average the last three samples with the weights of eq. (31)."""
+        # The average matches a central difference over the same samples, which is neither delayed
+        # against it nor as noisy as an acceleration at the newest sample.
         first, middle, last = (terms[k] for k in (0, len(terms) // 2, -1))
         forces = self._forces
         f_0, f_1, f_2 = (forces[k] for k in (0, len(forces) // 2, -1))
         R, _, travel, v, column, slope = (
-            0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7])
-        )
+            0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7]))
         rest = 0.25 * (f_0 + f_1 + f_1 + f_2) - R - last.inertial_force - tool
         hindrance = last.hindrance or hindrance or middle.hindrance or first.hindrance
         if not hindrance and len(terms) < 3:
             hindrance = WAITING
         return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope,
                                  last.inertial_force, hindrance)
-
-
-def _sensors(effects: Sequence[Effect]) -> list[Any]:
-    return [effect for effect in effects if isinstance(effect, ForceSensorEffect)]
 
 
 def _memory(effects: Sequence[Any]) -> Memory:

@@ -1,11 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 from .adhesion import Adhesion
-from .law import Number, optional_parameter, Prior, Scales
+from .law import Any, dataclass, Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-
-from .law import ContactEffect, Need, optional_parameter, Prior, Scales
+from .law import ContactEffect, dataclass, Need, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import pi
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, discretise, Flags, Generator, log_uniform, Number, optional_parameter,
-    Prior, Scales, Seen, State, Strength)
+    Any, Array, ContactEffect, dataclass, discretise, Flags, Generator, log_uniform, Number,
+    optional_parameter, Prior, Scales, Seen, State, Strength)
 from .moving_environment import MANY_PERIODS
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near

@@ -1,12 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import expm1
-from typing import Any
 
 from .law import (
-    ContactEffect, Generator, Number, optional_parameter, positive, Prior, Scales, Strength)
+    Any, ContactEffect, dataclass, Generator, Number, optional_parameter, positive, Prior, Scales,
+    Strength)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 

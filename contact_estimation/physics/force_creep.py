@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -9,8 +8,8 @@ import numpy as np
 
 from .force_lag import ForceLag
 from .law import (
-    Array, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader, Scales,
-    Strength)
+    Array, dataclass, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader,
+    Scales, Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording
@@ -60,12 +59,9 @@ class ForceCreep(ForceSensorEffect):
         return self.tau > _FASTEST_S and self.share < 1.0
 
     def is_flexible(self, duration: float) -> bool:
-        """
-        Is one that is still going on at the end, or small.
-
-        A zero that settles looks like the one, and what friction, hum and a warming sensor leave
-        like the other.
-        """
+        """Is one that is still going on at the end, or small."""
+        # A zero that settles looks like the one, and what friction, hum and a warming sensor leave
+        # like the other.
         return self.tau > _LONGEST * duration or self.share < _USUAL
 
     @classmethod

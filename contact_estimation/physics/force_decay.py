@@ -1,10 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-
 from .force_creep import ForceCreep
-from .law import Need, optional_parameter
+from .law import dataclass, Need, optional_parameter
 
 
 @dataclass(frozen=True)

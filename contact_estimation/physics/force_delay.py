@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
-from .law import Array, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
+from .law import Array, dataclass, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
 
 _SLOWEST_S = 0.5  # of a force sensor; a specimen that relaxes looks the same
 

@@ -1,12 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 from .law import (
-    ForceSensorEffect, Generator, Need, Number, optional_parameter, Prior, random_sign, Scales,
-    Seen, Strength)
+    Any, dataclass, ForceSensorEffect, Generator, Need, Number, optional_parameter, Prior,
+    random_sign, Scales, Seen, Strength)
 
 CALIBRATED = 0.05
 """Relative error of the sensitivity that is usual."""

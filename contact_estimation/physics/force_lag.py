@@ -1,12 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import exp
 
 import numpy as np
 
-from .law import Array, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
+from .law import Array, dataclass, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
 
 _SLOWEST_S = 0.2  # of a force sensor; a specimen that relaxes looks the same
 

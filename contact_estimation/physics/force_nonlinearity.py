@@ -1,14 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import inf
-from typing import Any
 
 import numpy as np
 
 from .force_gain import CALIBRATED
-from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
+from .law import (
+    Any, dataclass, ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen)
 
 
 @dataclass(frozen=True)
@@ -21,8 +20,7 @@ class ForceNonlinearity(ForceSensorEffect):
     """
 
     bend: float = optional_parameter('Change of the sensitivity per force', '1/N')
-    gain: float = optional_parameter(
-        'Sensitivity to small forces', '1', minimum=0.01, neutral=1.0)
+    gain: float = optional_parameter('Sensitivity to small forces', '1', minimum=0.01, neutral=1.0)
 
     equation = 'F_measured = F_e (gain + bend |F_e|)'
     family = 'sensor_gain'

@@ -1,14 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 import math
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    ForceSensorEffect, Generator, Number, optional_parameter, Prior, Scales, Seen, Strength)
+    Any, dataclass, ForceSensorEffect, Generator, Number, optional_parameter, Prior, Scales, Seen,
+    Strength)
 
 
 @dataclass(frozen=True)

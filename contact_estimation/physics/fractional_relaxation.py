@@ -1,7 +1,6 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import exp, expm1, inf, log, pi, sin
 from operator import mul
@@ -10,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Generator, Need, Number, optional_parameter, Prior, Scales, State,
-    Strength)
+    Array, ContactEffect, dataclass, Flags, Generator, Need, Number, optional_parameter, Prior,
+    Scales, State, Strength)
 from .viscoelastic_relaxation import REPELS
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
@@ -31,13 +30,10 @@ class _Weights(NamedTuple):
 
 @lru_cache(maxsize=16)
 def _weights(alpha: float) -> _Weights:
-    """
-    Return the branches whose sum is D^alpha.
-
-    t^-alpha / Gamma(1 - alpha) = sin(pi alpha) / pi times the integral of q^alpha exp(-q t) over
-    ln q. The trapezoidal rule is correct to 1e-4 for branches 0.4 decades apart, as is the whole
-    between 1e-3 s and 1e4 s; what lies beyond the branches is a geometric series.
-    """
+    """Return the branches whose sum is D^alpha."""
+    # t^-alpha / Gamma(1 - alpha) = sin(pi alpha) / pi times the integral of q^alpha exp(-q t) over
+    # ln q. The trapezoidal rule is correct to 1e-4 for branches 0.4 decades apart, as is the whole
+    # between 1e-3 s and 1e4 s; what lies beyond the branches is a geometric series.
     unit = sin(pi * alpha) / pi * _SPACING
     slower = unit * _TIMES[-1] ** -alpha / expm1(alpha * _SPACING)
     faster = unit * _TIMES[0] ** (1.0 - alpha) / expm1((1.0 - alpha) * _SPACING)

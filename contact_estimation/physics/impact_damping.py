@@ -1,14 +1,11 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
-    stretches)
+    Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, positive, Prior,
+    Scales, State, stretches)
 
 _SLOWEST = 0.25  # touch-down that the law holds for, of the speed at which friction fades
 
@@ -42,8 +39,7 @@ class ImpactDamping(ContactEffect):
         states = np.zeros((1, len(t)))
         for first, stop in stretches(contact):
             if contact[first]:
-                states[0, first:stop] = max(
-                    abs(float(v[first])), _SLOWEST * self.sign_velocity)
+                states[0, first:stop] = max(abs(float(v[first])), _SLOWEST * self.sign_velocity)
         return states
 
     @classmethod

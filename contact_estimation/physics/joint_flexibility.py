@@ -1,10 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-
 from .law import (
-    Generator, Joint, log_uniform, optional_parameter, Prior, RobotEffect, Scales, Strength)
+    dataclass, Generator, Joint, log_uniform, optional_parameter, Prior, RobotEffect, Scales,
+    Strength)
 
 _DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes
 _MOST_LINK = 0.9  # of M_t: a motor has some mass

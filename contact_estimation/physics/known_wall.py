@@ -80,9 +80,7 @@ class KnownWall:
         memory: Callable[[], Memory] | None,
     ) -> None:
         # The law is linear in K_e: its column is the law with K_e = 1 less the law with K_e = 0.
-        self._law, self._unit = (
-            ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0)
-        )
+        self._law, self._unit = (ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0))
         self.acts, self.inertia = bool(self._law.effects), self._law.inertia
         self.free_force = float(self._law.tail(-_FAR, 0.0, (0.0,) * self._law.states, math))
         self._placeholder = initial_stiffness if self._law.replaces_stiffness else 0.0
@@ -213,8 +211,7 @@ class KnownWall:
         c = self._touched
         values = (c * R, inertial, c * travel, c * v if v == v else 0.0, c * column, c * slope)
         R, inertial, travel, rate, column, slope = (
-            memory(now.t, now.dt, value) for memory, value in zip(self._memories, values)
-        )
+            memory(now.t, now.dt, value) for memory, value in zip(self._memories, values))
         return WallTerms(depth, R, inertial, travel, rate if v == v else v, column, slope,
                          '' if hindrance is IN_PLAY else hindrance)
 

@@ -3,6 +3,9 @@
 
 """All that the file of an effect needs, by one import."""
 
+from dataclasses import dataclass
+from typing import Any
+
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect, State
@@ -15,8 +18,7 @@ from .robot_effect import Joint, RobotEffect
 from ..parameters import optional_parameter
 
 __all__ = [
-    'Array', 'ContactEffect', 'discretise', 'Flags', 'ForceSensorEffect', 'Generator', 'Joint',
-    'log_uniform', 'Motion', 'motion_of', 'Need', 'Number', 'optional_parameter', 'path_of',
-    'positive', 'Prior', 'random_sign', 'Reader', 'RobotEffect', 'Scales', 'Seen', 'State',
-    'Strength', 'stretches', 'Tone',
-]
+    'Any', 'Array', 'ContactEffect', 'dataclass', 'discretise', 'Flags', 'ForceSensorEffect',
+    'Generator', 'Joint', 'log_uniform', 'Motion', 'motion_of', 'Need', 'Number',
+    'optional_parameter', 'path_of', 'positive', 'Prior', 'random_sign', 'Reader', 'RobotEffect',
+    'Scales', 'Seen', 'State', 'Strength', 'stretches', 'Tone']

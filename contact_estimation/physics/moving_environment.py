@@ -1,15 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import pi
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    ContactEffect, Generator, log_uniform, Need, Number, optional_parameter, Prior, Scales, Seen,
-    Strength, Tone)
+    Any, ContactEffect, dataclass, Generator, log_uniform, Need, Number, optional_parameter, Prior,
+    Scales, Seen, Strength, Tone)
 
 MANY_PERIODS = 8.0
 """Least periods in a recording of an oscillation that cannot follow any slow misfit."""

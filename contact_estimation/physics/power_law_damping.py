@@ -1,11 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 from .hunt_crossley_damping import LARGEST_DAMPING
-from .law import ContactEffect, Generator, Number, optional_parameter, Prior, Scales, Strength
+from .law import (
+    Any, ContactEffect, dataclass, Generator, Number, optional_parameter, Prior, Scales, Strength)
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,9 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 from .law import (
-    ContactEffect, Generator, Need, Number, optional_parameter, positive, Prior, Scales, Strength)
+    Any, ContactEffect, dataclass, Generator, Need, Number, optional_parameter, positive, Prior,
+    Scales, Strength)
 
 _LEAST_POWER = 0.3  # of less the force is a step
 

@@ -1,16 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import copysign, exp
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Generator, log_uniform, Motion, motion_of, Need, Number,
-    optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
+    Any, Array, ContactEffect, dataclass, Flags, Generator, log_uniform, Motion, motion_of, Need,
+    Number, optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
 
 
 @lru_cache(maxsize=8)

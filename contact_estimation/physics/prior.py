@@ -94,11 +94,8 @@ class Scales(NamedTuple):
         return _spread(min(least, 0.1 * self.duration), self.duration, 1.5)
 
     def delays(self) -> list[float]:
-        """
-        Return 3 to 9 delays [s] from half a sample to a fifth of the pace, at most 0.1 s.
-
-        Sensors and buses are no slower, however slow the motion; a start may be three samples.
-        """
+        """Return 3 to 9 delays [s] from half a sample to a fifth of the pace, at most 0.1 s."""
+        # Sensors and buses are no slower, however slow the motion; a start may be three samples.
         most = max(min(0.2 * self.pace, _SLOWEST_S), 3.0 * self.sample_period)
         return _spread(max(0.5 * self.sample_period, 1e-3 * most), most, 2.5)
 

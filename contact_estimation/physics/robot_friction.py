@@ -1,10 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
-from .law import Number, optional_parameter, Prior, RobotEffect, Scales
+from .law import Any, dataclass, Number, optional_parameter, Prior, RobotEffect, Scales
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,10 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
-from .law import ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen
+from .law import (
+    Any, dataclass, ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen)
 
 _LONGEST = 2.0  # time constant, in the duration of the recording
 

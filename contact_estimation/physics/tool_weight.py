@@ -1,10 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
-from typing import Any
-
-from .law import ContactEffect, Need, Number, optional_parameter, Prior, Scales
+from .law import Any, ContactEffect, dataclass, Need, Number, optional_parameter, Prior, Scales
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,13 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import dataclass
 from math import exp
-from typing import Any
 
 import numpy as np
 
 from .law import (
-    Array, ContactEffect, Flags, Need, Number, optional_parameter, positive, Prior, Scales, State,
-    stretches)
+    Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, positive, Prior,
+    Scales, State, stretches)
 
 
 @dataclass(frozen=True)

@@ -37,11 +37,8 @@ class Sensors:
     def _noise(self, generator: np.random.Generator) -> Iterator[float]:
         while True:
             uniform = self._p.distribution == 'uniform'
-            if uniform:
-                block = generator.uniform(-1.0, 1.0, _BLOCK)
-            else:
-                block = generator.standard_normal(_BLOCK)
-            yield from block.tolist()
+            yield from (generator.uniform(-1.0, 1.0, _BLOCK) if uniform
+                        else generator.standard_normal(_BLOCK)).tolist()
 
     def measure(self, truth: Truth) -> tuple[float, float, float]:
         """Return F_e [N], x [m] and its rate [m/s], NaN where velocity is not published."""
@@ -134,8 +131,10 @@ def run_closed_loop(
 
     """
     bare = plant.robot.control == 'force'
-    if bare:
-        require_control(session)
+    if bare and isnan(session.pipeline.control_force):
+        raise ParameterRangeError(
+            'robot.control force needs an estimator that computes a control force: expected mrac, '
+            f'got {session.parameters.estimator}; use it, or robot.control impedance')
     period = 1.0 / plant.sample_rate
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)
@@ -157,12 +156,3 @@ def run_closed_loop(
         if result.reference is not None:
             reference = result.reference
     return run
-
-
-def require_control(session: ContactSession) -> None:
-    """Raise if the estimator of a session would not control a bare arm."""
-    if isnan(session.pipeline.control_force):
-        raise ParameterRangeError(
-            'robot.control force needs an estimator that computes a control force: expected mrac, '
-            f'got {session.parameters.estimator}; use it, or robot.control impedance'
-        )

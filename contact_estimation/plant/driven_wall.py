@@ -65,13 +65,11 @@ def reference_through(t: Array, rows: Array, held: bool = False) -> ReferenceAt:
     if np.ndim(t) != 1 or len(t) < 1 or np.shape(rows) != (4, len(t)):
         raise SignalShapeError(
             'a reference needs t of shape (N,) and rows of shape (4, N) with N >= 1, got '
-            f'{np.shape(t)} and {np.shape(rows)}; give x_r, its rate, its acceleration and F_r'
-        )
+            f'{np.shape(t)} and {np.shape(rows)}; give x_r, its rate, its acceleration and F_r')
     if not np.all(np.diff(t) > 0.0):
         raise SignalShapeError(
             'the times of a reference must increase strictly, got equal or decreasing ones; '
-            'sort the samples and keep one per time'
-        )
+            'sort the samples and keep one per time')
     times: list[float] = t.tolist()
     points: list[tuple[float, float, float, float]] = list(zip(*rows.tolist()))
     slopes = list(zip(*((0.0 if held else 1.0) * np.diff(rows) / np.diff(t)).tolist()))
@@ -114,8 +112,7 @@ def run_driven_wall_with_rates(
     if np.shape(t) != np.shape(force) or np.ndim(t) != 1 or len(t) < 2:
         raise SignalShapeError(
             'a driven wall needs t and force of one shape (N,) with N >= 2, got '
-            f'{np.shape(t)} and {np.shape(force)}'
-        )
+            f'{np.shape(t)} and {np.shape(force)}')
     wall = DrivenWall(parameters)
     since = t - t[0] + begin
     return wall.run(since, wall.true_force(since, force), (x0, v0))
@@ -129,20 +126,17 @@ class DrivenWall:
         if wall.unilateral:
             raise ParameterRangeError(
                 'only a wall that is permanently attached follows a force alone, got '
-                'environment.unilateral true; set it to false, or give a reference_trajectory'
-            )
+                'environment.unilateral true; set it to false, or give a reference_trajectory')
         effects: list[Effect] = effects_that_are_on(parameters.physics, parameters.sign_velocity)
         self._sensor = [e for e in effects if isinstance(e, ForceSensorEffect)]
         self._law = ContactLaw(
-            wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects
-        )
+            wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects)
         # A mass between sensor and wall moves with the wall, driven by the measured force.
         self._mass = self._law.inertia + sum(effect.added_mass for effect in self._sensor)
         if self._mass <= 0.0:
             raise ParameterRangeError(
                 'environment.inertia must be > 0 kg for an attached wall without a robot, got '
-                f'{wall.inertia:g}; without mass the force does not determine the motion'
-            )
+                f'{wall.inertia:g}; without mass the force does not determine the motion')
         self._rate = parameters.integration_rate
 
     def true_force(self, t: Array, reading: Array) -> Array:

@@ -61,11 +61,8 @@ def mujoco_xml(model: PlantParameters) -> str:
 
 
 def sdf_xml(model: PlantParameters) -> str:
-    """
-    Return the surface of an SDF collision, for Gazebo with ODE or Bullet.
-
-    ODE combines 1/kp = 1/kp_1 + 1/kp_2 and kd = kd_1 + kd_2.
-    """
+    """Return the surface of an SDF collision, for Gazebo with ODE or Bullet."""
+    # ODE combines 1/kp = 1/kp_1 + 1/kp_2 and kd = kd_1 + kd_2.
     wall = model.environment
     return f"""<!-- {_expressed(model)}
      Give the collisions of tool and wall the same surface. DART ignores kp and kd. One
@@ -131,11 +128,8 @@ def drake_xml(model: PlantParameters) -> str:
 
 
 def physx_usd(model: PlantParameters) -> str:
-    """
-    Return a physics material and joint of PhysX 5, for Isaac Sim and Isaac Lab.
-
-    Compliant contact is a spring and a damper, F = K_e delta + B_e delta_dot.
-    """
+    """Return a physics material and joint of PhysX 5, for Isaac Sim and Isaac Lab."""
+    # Compliant contact is a spring and a damper, F = K_e delta + B_e delta_dot.
     wall, physics = model.environment, model.physics
     return f"""#usda 1.0
 # {_expressed(model, 'robot_friction', 'reflected_inertia')}

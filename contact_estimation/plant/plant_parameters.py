@@ -3,8 +3,6 @@
 
 """Parameters of the simulated robot, wall and sensors, and the model files that hold them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -51,10 +49,9 @@ class RobotParameters(ParameterGroup):
     control: str = parameter(
         'impedance', 'impedance: obeys eq. (1) with these values; force: a bare arm of this mass '
         'and damping, driven by the control force of the estimator `mrac`',
-        choices=('impedance', 'force'), read_only=True,
-    )
+        choices=('impedance', 'force'), read_only=True)
 
-    def law(self) -> RobotParameters:
+    def law(self) -> 'RobotParameters':
         """Return the parameters of eq. (1) that the robot obeys; a bare arm has no stiffness."""
         if self.control == 'impedance':
             return self
@@ -67,18 +64,15 @@ class SensorParameters(ParameterGroup):
 
     force_noise: float = parameter(
         0.0, 'Half width (uniform) or standard deviation (normal) of the force noise', 'N',
-        minimum=0.0,
-    )
+        minimum=0.0)
     position_noise: float = parameter(0.0, 'Position noise, like force_noise', 'm', minimum=0.0)
     velocity_noise: float = parameter(0.0, 'Velocity noise, like force_noise', 'm/s', minimum=0.0)
     position_quantisation: float = parameter(
-        0.0, 'Resolution of the position; 0: unlimited', 'm', minimum=0.0
-    )
+        0.0, 'Resolution of the position; 0: unlimited', 'm', minimum=0.0)
     publish_velocity: bool = parameter(True, 'Whether joint_states contains velocities')
     distribution: str = parameter(
         'normal', 'Distribution of the noise; the paper uses uniform',
-        choices=('normal', 'uniform'),
-    )
+        choices=('normal', 'uniform'))
 
 
 @dataclass(frozen=True)
@@ -90,12 +84,10 @@ class PlantParameters(ParameterGroup):
     sensors: SensorParameters = group(SensorParameters)
     physics: Any = group(PhysicsParameters)
     sample_rate: float = parameter(
-        500.0, 'Sample rate of the sensors', 'Hz', minimum=1e-4, maximum=1e6, read_only=True
-    )
+        500.0, 'Sample rate of the sensors', 'Hz', minimum=1e-4, maximum=1e6, read_only=True)
     integration_rate: float = parameter(
         5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1e-4, maximum=1e7,
-        read_only=True,
-    )
+        read_only=True)
     sign_velocity: float = parameter(
         SIGN_VELOCITY, 'Speed below which dry friction fades: sgn(v) = tanh(v / sign_velocity)',
         'm/s', minimum=1e-15, read_only=True)
@@ -107,33 +99,26 @@ class PlantNodeParameters(ParameterGroup):
     """The experiment, and when it starts and ends."""
 
     experiment: str = parameter(
-        'sine', 'Name of an experiment, or a YAML file of segments', read_only=True
-    )
+        'sine', 'Name of an experiment, or a YAML file of segments', read_only=True)
     duration: float = parameter(
         0.0, 'Time after which the node ends; 0: that of the experiment', 's', minimum=0.0,
-        read_only=True,
-    )
+        read_only=True)
     repeat: bool = parameter(
         False, 'Repeat the experiment until the duration is over; without a '
-        'duration, without end', read_only=True,
-    )
+        'duration, without end', read_only=True)
     subscribers: int = parameter(
         1, 'Number of subscribers of wrench and joint_states to wait for at the start', minimum=0,
-        maximum=1000, read_only=True,
-    )
+        maximum=1000, read_only=True)
     patience_s: float = parameter(
-        30.0, 'Start without them after this', 's', minimum=0.0, read_only=True
-    )
+        30.0, 'Start without them after this', 's', minimum=0.0, read_only=True)
     lockstep: bool = parameter(
         False, 'Send a sample only after the reference for the previous one has arrived: '
-        'the run does not depend on the speed of the machine', read_only=True,
-    )
+        'the run does not depend on the speed of the machine', read_only=True)
     frame_id: str = parameter('contact_frame', 'Frame of the wrench', read_only=True)
     joint: str = parameter('contact_x', 'Name of the joint', read_only=True)
     summary_file: str = parameter(
         '', 'At the end, write samples sent, samples dropped and latency to this JSON file',
-        read_only=True,
-    )
+        read_only=True)
 
 
 def read_model(path: str | PathLike[str], seed: int | None = None) -> PlantParameters:
@@ -164,7 +149,6 @@ def read_model(path: str | PathLike[str], seed: int | None = None) -> PlantParam
     if not values:
         raise ModelFileError(
             f'model file {path} must have a section plant_node with ros__parameters, got none; '
-            'see config/plant_node.yaml for an example'
-        )
+            'see config/plant_node.yaml for an example')
     model = build(PlantParameters, without(PlantNodeParameters, values))
     return model if seed is None else replace(model, seed=seed)

@@ -113,8 +113,7 @@ def simulate_force(
     motion = run_driven_wall_with_rates(model, t, BETWEEN[between](force), *start)
     columns = zip(t.tolist(), *motion.tolist(), force.tolist(), force.tolist())
     measured = _measured(model, [Truth(*column) for column in columns])
-    nothing = np.empty(0, np.int64), np.empty((4, 0))
-    return Simulation(stamp_ns, measured, *nothing)
+    return Simulation(stamp_ns, measured, np.empty(0, np.int64), np.empty((4, 0)))
 
 
 def _measured(model: PlantParameters, truths: list[Truth]) -> Array:
@@ -132,20 +131,15 @@ def write_simulation(
     path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
 ) -> None:
     """Write a simulation to an MCAP file."""
-    entries = [
-        *_references(simulation, TrajectoryEncoder(frame_id, joint)),
-        *_samples(simulation, axis, joint, frame_id),
-    ]
+    setpoints = TrajectoryEncoder(frame_id, joint)
+    entries = [(stamp_ns, 'reference_trajectory', _TRAJECTORY, setpoints.encode(stamp_ns, *row))
+               for stamp_ns, row in zip(simulation.reference_ns.tolist(),
+                                        simulation.reference.T.tolist())]
+    entries += _samples(simulation, axis, joint, frame_id)
     entries.sort(key=lambda entry: entry[0])
     with RecordingWriter.file(path) as writer:
         for stamp_ns, topic, type_name, data in entries:
             writer.write(canonical(topic), type_name, data, stamp_ns)
-
-
-def _references(simulation: Simulation, encoder: TrajectoryEncoder) -> Iterator[Entry]:
-    rows = simulation.reference.T.tolist()
-    for stamp_ns, row in zip(simulation.reference_ns.tolist(), rows):
-        yield stamp_ns, 'reference_trajectory', _TRAJECTORY, encoder.encode(stamp_ns, *row)
 
 
 def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> Iterator[Entry]:

@@ -110,13 +110,11 @@ class World:
             self._physics = parameters.physics
             self._effects = [*effects_that_are_on(
                 parameters.physics, parameters.sign_velocity), *self._further]
-            self._chain = [
-                e.reader() for e in self._effects if isinstance(e, ForceSensorEffect)]
+            self._chain = [e.reader() for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()
         self._law = ContactLaw(
-            wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects
-        )
+            wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects)
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
         law = self._robot

@@ -3,8 +3,6 @@
 
 """Motions of an arm by which the inertia of its links can be told."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import json
 
@@ -22,7 +20,7 @@ _DAMPED = 1e-3  # singular values left out, in the largest
 def pressing_motion(
     arm: ArmDynamics, frame: str, q: Array, normal: Array, rng: np.random.Generator,
     depth: float = 0.05, excitation: float = 0.012, duration: float = 24.0, rate: float = 200.0,
-) -> ArmTrajectory:
+) -> 'ArmTrajectory':
     """
     Return a motion that presses several times, with tones, and moves aside along the wall.
 
@@ -88,7 +86,7 @@ class ArmTrajectory:
 
 def exciting_trajectory(
     arm: ArmDynamics, seed: int = 0, duration: float = 20.0, rate: float = 100.0, tries: int = 50,
-) -> ArmTrajectory:
+) -> 'ArmTrajectory':
     """
     Return the best conditioned of some random motions within the limits of a description.
 

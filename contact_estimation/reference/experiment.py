@@ -65,8 +65,7 @@ class Multisine(Excitation):
     def rates(self, t: float) -> tuple[float, float]:
         return (
             self._scale * sum(w * cos(w * t + p) for w, p in self._parts),
-            -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts),
-        )
+            -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts))
 
 
 class PseudoRandomBinary(Excitation):
@@ -168,10 +167,8 @@ class Experiment:
         rests = [
             (begin, begin + segment.duration)
             for begin, segment, before in zip(
-                self._begins, self.segments, (self.start, *(s.position for s in self.segments))
-            )
-            if segment.force == segment.force and segment.position == before
-        ]
+                self._begins, self.segments, (self.start, *(s.position for s in self.segments)))
+            if segment.force == segment.force and segment.position == before]
         return max(rests, key=lambda r: r[1] - r[0], default=None)
 
     @property

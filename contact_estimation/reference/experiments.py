@@ -73,8 +73,7 @@ def _segment(entry: Any, path: Path) -> Segment:
         _number(entry.get('position'), path, 'position'),
         _number(entry['force'], path, 'force') if 'force' in entry else nan,
         _excitation(entry.get('force_excitation'), path),
-        _excitation(entry.get('position_excitation'), path),
-    )
+        _excitation(entry.get('position_excitation'), path))
 
 
 def _excitation(entry: Any, path: Path) -> Excitation | None:
@@ -119,8 +118,7 @@ def _number(value: Any, path: Path, key: str) -> float:
 def _expect(holds: bool, path: Path, expected: str, received: Any) -> None:
     if not holds:
         raise ModelFileError(
-            f'experiment file {path}: expected {expected}, got {received!r}; see doc/commands.md'
-        )
+            f'experiment file {path}: expected {expected}, got {received!r}; see doc/commands.md')
 
 
 def _expect_keys(entry: Mapping[str, Any], known: set[str], path: Path) -> None:
@@ -142,10 +140,8 @@ FORCE_EXCITATION: dict[str, Excitation | None] = {
 
 
 def manoeuvre(
-    name: str,
-    force_excitation: Excitation | None = None,
-    position_excitation: Excitation | None = None,
-    hold_s: float = 2.0,
+    name: str, force_excitation: Excitation | None = None,
+    position_excitation: Excitation | None = None, hold_s: float = 2.0,
     force: float = DESIRED_FORCE,
 ) -> Experiment:
     """
@@ -165,9 +161,7 @@ def manoeuvre(
             Segment(2.2, DEPTH, **pressing),
             Segment(hold_s, DEPTH, **pressing),
             Segment(2.2, START, position_excitation=position_excitation),
-            Segment(1.2, START),
-        ),
-    )
+            Segment(1.2, START)))
 
 
 def rich() -> Experiment:
@@ -178,16 +172,14 @@ def rich() -> Experiment:
         excitation = Multisine(amplitude, list(omegas))
         return [
             Segment(approach_s, depth), Segment(0.3, depth),
-            Segment(3.0, depth, position_excitation=excitation), Segment(0.8, away),
-        ]
+            Segment(3.0, depth, position_excitation=excitation), Segment(0.8, away)]
 
     return Experiment('rich', away, (
         Segment(0.5, away),
         *touch(0.8, 0.012, 0.002, 5.0, 11.0, 23.0),
         *touch(0.5, 0.020, 0.003, 4.0, 9.0, 17.0),
         *touch(1.5, 0.024, 0.002, 6.0, 13.0, 27.0),
-        Segment(0.3, away),
-    ))
+        Segment(0.3, away)))
 
 
 EXPERIMENTS: dict[str, Callable[[], Experiment]] = {

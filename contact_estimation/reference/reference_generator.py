@@ -17,8 +17,7 @@ def quintic(start: float, end: float, duration: float, t: float) -> tuple[float,
     return (
         start + span * s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
         span / duration * 30.0 * s * s * (1.0 - s) ** 2,
-        span / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
-    )
+        span / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s))
 
 
 Compliance = Callable[[float, float], float]
@@ -151,8 +150,7 @@ class ReferenceGenerator:
         return Reference(
             target.position + o * (1.0 - s * s * (3.0 - 2.0 * s)),
             target.velocity - o * 6.0 * s * (1.0 - s) / duration,
-            target.acceleration - o * (6.0 - 12.0 * s) / duration**2, target.force,
-        )
+            target.acceleration - o * (6.0 - 12.0 * s) / duration**2, target.force)
 
 
 def limited(

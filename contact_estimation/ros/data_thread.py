@@ -55,8 +55,7 @@ class RawSubscriptions:
         if dedicated and not HAS_WAIT_SET:
             node.get_logger().warning(
                 'this rclpy has no WaitSet to use directly; data is served by the executor, at '
-                'several times the CPU load'
-            )
+                'several times the CPU load')
         self._group = _NeverByExecutor() if self.dedicated else None
         # Replaced, never changed: another thread may be going through them.
         self._waking: list[tuple[Any, Callback]] = []
@@ -71,8 +70,7 @@ class RawSubscriptions:
         """Subscribe to a topic; the callback gets the serialised message."""
         subscription = self._node.create_subscription(
             message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group,
-            qos_overriding_options=overridable() if overrides else None,
-        )
+            qos_overriding_options=overridable() if overrides else None)
         if wakes:
             self._waking = [*self._waking, (subscription, callback)]
         else:

@@ -8,6 +8,8 @@ from typing import Any, Callable, Sequence
 
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 
 from .topics import (
     FLOAT64, message_class, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING, TRAJECTORY,
@@ -37,25 +39,19 @@ class EstimatePublishers:
     def __init__(self, node: Node, joint: str) -> None:
         self._joint = joint or 'contact_axis'
         self.compensated: CompensatedWrench | None = None
-        vector = message_class(VECTOR3)
-        self._publishers = {
-            name: node.create_publisher(
-                vector, f'~/{name}', OUTPUT_QOS, qos_overriding_options=overridable())
-            for name in (*_ALWAYS, *_ON_DEMAND)
-        }
+
+        def publisher(type_name: str, topic: str, qos: QoSProfile = OUTPUT_QOS) -> Publisher:
+            return node.create_publisher(
+                message_class(type_name), topic, qos, qos_overriding_options=overridable())
+
+        self._publishers = {name: publisher(VECTOR3, f'~/{name}')
+                            for name in (*_ALWAYS, *_ON_DEMAND)}
         self._publishers['model_fit'] = node.create_publisher(
-            message_class(FLOAT64), '~/model_fit', OUTPUT_QOS
-        )
-        self._reference = node.create_publisher(
-            message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS, qos_overriding_options=overridable())
-        self._status = node.create_publisher(
-            message_class(STRING), '~/status', STATUS_QOS, qos_overriding_options=overridable())
-        self._law = node.create_publisher(
-            message_class(STRING), '~/wall_law', STATUS_QOS, qos_overriding_options=overridable())
-        self._news = WallLawNews()
-        self._stability = node.create_publisher(
-            message_class(FLOAT64), '~/stability', OUTPUT_QOS,
-            qos_overriding_options=overridable())
+            message_class(FLOAT64), '~/model_fit', OUTPUT_QOS)
+        self._reference = publisher(TRAJECTORY, REFERENCE)
+        self._status = publisher(STRING, '~/status', STATUS_QOS)
+        self._law, self._news = publisher(STRING, '~/wall_law', STATUS_QOS), WallLawNews()
+        self._stability = publisher(FLOAT64, '~/stability')
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
         self._of_contact = node.create_publisher(
             message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)
@@ -93,8 +89,7 @@ class EstimatePublishers:
         if reference is not None:
             # Published first: the robot waits for it.
             self._reference.publish(
-                self._trajectories.encode(result.reference_stamp_ns, *reference)
-            )
+                self._trajectories.encode(result.reference_stamp_ns, *reference))
         encode, places = self._vectors.encode, self._places
         for publisher, get in self._wanted:
             vector = [nan, nan, nan]
@@ -120,8 +115,7 @@ class EstimatePublishers:
             return estimate.reason
         others = ', '.join(
             f'{axis} {other.status.value}' + (f' ({other.reason})' if other.reason else '')
-            for axis, other in zip(self._further_axes, further)
-        )
+            for axis, other in zip(self._further_axes, further))
         return f'{estimate.reason}; {others}' if estimate.reason else others
 
     def publish_status(self, status: str, reason: str) -> None:

@@ -125,8 +125,7 @@ class EstimatorDiagnostics:
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
             hardware_id=self.hardware_id,
-            values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
-        )
+            values=[KeyValue(key=k, value=str(v)) for k, v in values.items()])
         message = DiagnosticArray(status=[status])
         message.header.stamp = stamp
         return message

@@ -80,8 +80,7 @@ class EstimatorNode(Node):
             self.resolve_topic_name(topics.ROBOT_DESCRIPTION), Graph(self).warnings)
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
-            DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS
-        )
+            DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS)
         self.create_timer(1.0 / self._own.diagnostics_rate, self._report)
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(Trigger, '~/tare', self._on_tare)

@@ -142,8 +142,7 @@ class LoopProcesses:
             name: subprocess.Popen(
                 [sys.executable, '-m', 'contact_estimation.executables', name, '--ros-args',
                  '--log-level', 'error', '--params-file', str(parameters)],
-                env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
-            )
+                env=environment, start_new_session=True, stdout=subprocess.DEVNULL)
             for name in ('recorder_node', 'estimator_node', 'plant_node')
         }
 
@@ -195,8 +194,7 @@ def require_rclpy(command: str) -> None:
     if importlib.util.find_spec('rclpy') is None:
         raise MissingPackageError(
             f'{command} needs ROS 2 (rclpy), which this Python does not have; source your ROS '
-            "installation, or install its wheels, in this project's folder: pip install '.[ros]'"
-        )
+            "installation, or install its wheels, in this project's folder: pip install '.[ros]'")
 
 
 def _code_text(code: int) -> str:

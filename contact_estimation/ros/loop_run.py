@@ -3,8 +3,6 @@
 
 """The signals that a run of the loop recorded, their figure and their summary."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 import json
 from math import inf, isfinite, nan
@@ -25,7 +23,7 @@ from ..reference.experiment import Experiment
 
 
 def plot_run(
-    run: RecordedRun, title: str, wall: WallParameters, force_note: str = '', warning: str = ''
+    run: 'RecordedRun', title: str, wall: WallParameters, force_note: str = '', warning: str = ''
 ) -> Any:
     """Plot a run."""
     true = {'stiffness': wall.stiffness, 'damping': wall.damping}
@@ -130,17 +128,18 @@ def summarise(run: RecordedRun, configuration: LoopConfiguration) -> dict[str, A
         'stiffness_error_percent': 100.0 * (stiffness / wall.stiffness - 1.0),
         'damping_error_percent':
             100.0 * (damping / wall.damping - 1.0) if wall.damping > 0.0 else nan,
-        'mean_force_n': _mean_force(run, configuration.experiment),
+        'mean_force_n': -_over_hold(run.series['force'], configuration.experiment),
         'desired_force_n': configuration.experiment.desired_force,
         'eq20_force_n': _eq20_force(run, configuration),
         'model_fit': run.last_before('model_fit', inf),
-        'model_fit_worst': _greatest(run.series['model_fit'][:, 1]),
+        'model_fit_worst': max(filter(isfinite, run.series['model_fit'][:, 1].tolist()),
+                               default=nan),
         **{name: measured.get(name)
            for name in ('rate_hz', 'samples_sent', 'samples_lost', 'latency_ms')},
     }
-    summary = {name: _or_none(value) for name, value in values.items()}
-    disturbed = disturbances(measured, configuration.plant.sample_rate)
-    return {**summary, 'disturbed': disturbed}
+    summary = {name: None if isinstance(value, float) and not isfinite(value) else value
+               for name, value in values.items()}
+    return {**summary, 'disturbed': disturbances(measured, configuration.plant.sample_rate)}
 
 
 def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
@@ -178,24 +177,11 @@ def _eq20_force(run: RecordedRun, configuration: LoopConfiguration) -> float:
     return configuration.experiment.desired_force * K_t * K_e / (K_hat * (K_t + K_e))
 
 
-def _mean_force(run: RecordedRun, experiment: Experiment) -> float:
-    """Average the pressing force over the hold of every repetition."""
-    return -_over_hold(run.series['force'], experiment)
-
-
 def _over_hold(series: NDArray[np.float64], experiment: Experiment) -> float:
+    """Average over the hold of every repetition."""
     hold = experiment.hold()
     if hold is None or not len(series):
         return nan
     phase = series[:, 0] % experiment.duration
     held = series[(phase >= hold[0]) & (phase < hold[1]), 1]
     return float(np.mean(held)) if len(held) else nan
-
-
-def _greatest(values: NDArray[np.float64]) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if len(known) else nan
-
-
-def _or_none(value: Any) -> Any:
-    return None if isinstance(value, float) and not isfinite(value) else value

@@ -40,11 +40,8 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
     """Return the ROS descriptor of a parameter."""
     unit = f' [{spec.unit}]' if spec.unit else ''
     message = ParameterDescriptor(
-        name=spec.name,
-        description=spec.description + unit,
-        additional_constraints=spec.expectation,
-        read_only=spec.read_only,
-    )
+        name=spec.name, description=spec.description + unit,
+        additional_constraints=spec.expectation, read_only=spec.read_only)
     if spec.minimum is None or spec.nan_is_off:
         return message  # rclpy's own range check would refuse NaN
     if isinstance(spec.default, float):
@@ -57,8 +54,7 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
 
 
 def serve_changes(
-    node: Node,
-    known: Iterable[ParameterSpecification],
+    node: Node, known: Iterable[ParameterSpecification],
     change: Callable[[Mapping[str, Any]], None],
 ) -> None:
     """Apply changes of ROS parameters at run time."""
@@ -73,8 +69,7 @@ def serve_changes(
 
     numbers = {spec.name for spec in known if isinstance(spec.default, (float, tuple))}
     node.add_pre_set_parameters_callback(
-        lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters]
-    )
+        lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters])
     node.add_on_set_parameters_callback(on_set)
 
 

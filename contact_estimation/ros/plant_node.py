@@ -47,11 +47,13 @@ class PlantNode(Node):
         world, own = divided(PlantNodeParameters, declare(self, all_specifications()))
         self._plant = build(PlantParameters, world)
         self._own = build(PlantNodeParameters, own)
-        require_impedance(self._plant)
+        if self._plant.robot.control != 'impedance':  # no topic carries the force that would push
+            raise ParameterRangeError(
+                f'robot.control must be impedance in plant_node, got {self._plant.robot.control}; '
+                'a bare arm runs off-line only, in run_closed_loop and in `reproduce`')
         experiment = experiment_named(self._own.experiment)
         self._duration = self._own.duration or (
-            float('inf') if self._own.repeat else experiment.duration
-        )
+            float('inf') if self._own.repeat else experiment.duration)
         self._experiment = experiment.cyclic() if self._own.repeat else experiment
         start = experiment.desired(0.0).position
         self._world, self._sensors = World(self._plant, start), Sensors(self._plant)
@@ -69,8 +71,7 @@ class PlantNode(Node):
         own = self._own
         self._wrenches = WrenchEncoder(own.frame_id)
         self._joint_states = JointStateEncoder(
-            own.frame_id, own.joint, self._plant.sensors.publish_velocity
-        )
+            own.frame_id, own.joint, self._plant.sensors.publish_velocity)
         self._setpoints = TrajectoryEncoder(own.frame_id, own.joint)
         self._references = TrajectoryDecoder()
 
@@ -82,8 +83,7 @@ class PlantNode(Node):
         self._setpoint_publisher = publisher(topics.TRAJECTORY, topics.DESIRED)
         self._data = RawSubscriptions(self)
         self._data.subscribe(
-            topics.REFERENCE, topics.TRAJECTORY, topics.INPUT_QOS, self._on_reference
-        )
+            topics.REFERENCE, topics.TRAJECTORY, topics.INPUT_QOS, self._on_reference)
 
     def start(self) -> None:
         """Start the simulation when a subscriber is there."""
@@ -197,15 +197,6 @@ class PlantNode(Node):
         self._plant = changed(self._plant, world)
         self._world.configure(self._plant)
         self._sensors.configure(self._plant)
-
-
-def require_impedance(plant: PlantParameters) -> None:
-    """Refuse a bare arm: no topic carries the force that would have to push it."""
-    if plant.robot.control != 'impedance':
-        raise ParameterRangeError(
-            f'robot.control must be impedance in plant_node, got {plant.robot.control}; a bare '
-            'arm runs off-line only, in run_closed_loop and in `reproduce`'
-        )
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -86,8 +86,7 @@ class RecorderParameters(ParameterGroup):
     output: str = parameter('', 'Folder to write, which must not exist', read_only=True)
     estimator: str = parameter(
         'estimator_node', 'Name of the estimator node whose estimates are recorded',
-        read_only=True,
-    )
+        read_only=True)
 
 
 def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
@@ -130,8 +129,7 @@ class RecorderNode(Node):
         if not own.output:
             raise ParameterRangeError(
                 'output must name a folder to be made, got an empty text; set it with '
-                '--ros-args -p output:=FOLDER'
-            )
+                '--ros-args -p output:=FOLDER')
         self._writer = RecordingWriter.folder(own.output)
         self._data = RawSubscriptions(self)
         self._thread = DataThread(self._data, self._failed)

@@ -95,11 +95,8 @@ class RunnableNode(Protocol):
 
 
 def run_node(
-    make: Callable[[], RunnableNode],
-    purpose: str,
-    known: Iterable[ParameterSpecification],
-    args: Sequence[str] | None,
-    topic: str = '',
+    make: Callable[[], RunnableNode], purpose: str, known: Iterable[ParameterSpecification],
+    args: Sequence[str] | None, topic: str = '',
 ) -> int:
     """Run a node until it has finished or is interrupted."""
     arguments = list(sys.argv[1:] if args is None else args)
@@ -128,12 +125,9 @@ def run_node(
 
 
 def _on_signals() -> Event:
-    """
-    Return an event that SIGINT and SIGTERM set, instead of ending at once.
-
-    rclpy's own handlers shut the context down at once, under a thread that is about to publish;
-    here the threads end first, and samples that have arrived are still processed.
-    """
+    """Return an event that SIGINT and SIGTERM set, instead of ending at once."""
+    # rclpy's own handlers shut the context down at once, under a thread that is about to publish;
+    # here the threads end first, and samples that have arrived are still processed.
     interrupted = Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: interrupted.set())
@@ -175,8 +169,7 @@ def help_text(purpose: str, known: Iterable[ParameterSpecification], topic: str 
         f'usage: {purpose.partition(":")[0]} [--ros-args -p NAME:=VALUE --params-file FILE'
         f'{remapping} ...]',
         '',
-        'parameters:',
-    ]
+        'parameters:']
     for spec in known:
         lines.append(f'  {spec.name} = {value_text(spec.default)}: {spec.expectation}')
         lines.append(f'      {spec.description}')

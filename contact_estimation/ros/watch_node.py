@@ -32,15 +32,12 @@ class WatchParameters(ParameterGroup):
     """What is watched, and where it is shown."""
 
     estimator: str = parameter(
-        'estimator_node', 'Name of the estimator node that is watched', read_only=True
-    )
+        'estimator_node', 'Name of the estimator node that is watched', read_only=True)
     show: str = parameter(
         'window', 'window: open the viewer; web: serve a page; else a file to write',
-        read_only=True,
-    )
+        read_only=True)
     follow_s: float = parameter(
-        20.0, 'Seconds that the plots show', 's', minimum=0.1, read_only=True
-    )
+        20.0, 'Seconds that the plots show', 's', minimum=0.1, read_only=True)
 
 
 class WatchNode(Node):

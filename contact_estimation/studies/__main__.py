@@ -23,8 +23,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='studies',
         description='Run one of the studies that measure accuracy, coverage and speed; '
-        '`studies NAME --help` shows its options.',
-    )
+        '`studies NAME --help` shows its options.')
     parser.add_argument('name', metavar='NAME', choices=list(STUDIES), help=studies)
     return parser
 

@@ -45,12 +45,10 @@ ARMS = {
     'panda': Arm(
         'panda', 'panda_description/urdf/panda.urdf', 'panda_link0', 'panda_link8',
         ('panda_hand', 'panda_hand_tcp', 'panda_leftfinger', 'panda_rightfinger'),
-        (0.2, -0.4, 0.1, -2.1, 0.2, 1.9, 0.6), 2, 1,
-    ),
+        (0.2, -0.4, 0.1, -2.1, 0.2, 1.9, 0.6), 2, 1),
     'ur5': Arm(
         'ur5', 'ur_description/urdf/ur5_robot.urdf', 'base_link', 'tool0', (),
-        (0.3, -1.3, 1.7, -1.4, -1.3, 0.4), 8, 2,
-    ),
+        (0.3, -1.3, 1.7, -1.4, -1.3, 0.4), 8, 2),
 }
 
 
@@ -87,15 +85,12 @@ def mujoco_model(urdf: str, timestep: float) -> Any:
     spec.body(TIP).add_site(name=TIP)
     for kind, name in ((package.mjtSensor.mjSENS_FORCE, 'force'),
                        (package.mjtSensor.mjSENS_TORQUE, 'torque')):
-        spec.add_sensor(type=kind, name=name, objname=SENSOR,
-                        objtype=package.mjtObj.mjOBJ_SITE)
+        spec.add_sensor(type=kind, name=name, objname=SENSOR, objtype=package.mjtObj.mjOBJ_SITE)
     spec.option.timestep = timestep
     return spec.compile()
 
 
-def mujoco_arm(
-    urdf: str, arm: ArmDynamics, timestep: float, yielding: Sequence[int] = ()
-) -> Any:
+def mujoco_arm(urdf: str, arm: ArmDynamics, timestep: float, yielding: Sequence[int] = ()) -> Any:
     """Build the MuJoCo model of a description with other links; `yielding` joints get a gear."""
     mj, root = mujoco(), ElementTree.fromstring(urdf)
     for j in yielding:

@@ -220,8 +220,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='studies arms',
         description='Simulate arms in MuJoCo, with a wrist sensor, a tool of 1.2 kg and a tilted '
-        'wall, record them, and compare what the library finds with the truth.',
-    )
+        'wall, record them, and compare what the library finds with the truth.')
     parser.add_argument('arms', nargs='*', metavar='ARM', help=f'any of {", ".join(ARMS)} (all)')
     parser.add_argument('--output', required=True, metavar='DIR',
                         help='new folder for recordings, arms.md and pictures')
@@ -276,8 +275,7 @@ def _tables(arms: Sequence[StudiedArm], seeds: int) -> list[str]:
         markdown_table(('arm', 'estimator', 'taken out of the force', 'error of K_e [%]',
                         'error of B_e [%]', 'error of x_e [mm]', 'warnings'), contacts),
         markdown_table(('arm', 'concealed', 'right first name', 'no other port named',
-                        'names (number of seeds)'), diagnoses),
-    ]
+                        'names (number of seeds)'), diagnoses)]
 
 
 main = command(make_parser, run)

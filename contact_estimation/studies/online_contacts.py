@@ -27,8 +27,7 @@ _TAP_GAP, _TAP_PERIOD_S = 1e-3, 0.5
 
 
 def _contacts(
-    draw: np.random.Generator, index: int, how: str, group: str, sensor: Any = (),
-    **path: Any,
+    draw: np.random.Generator, index: int, how: str, group: str = '', sensor: Any = (), **path: Any
 ) -> World:
     """Press twice on one wall, excited in every second world."""
     parameters, x_e = drawn_location(draw, how)
@@ -37,10 +36,6 @@ def _contacts(
     pieces, seconds = presses(draw, drawn_depth(draw, stiffness), **path)
     return simulate(group, parameters, pieces, seconds, drawn_wall(draw, stiffness, x_e),
                     drawn_sensor(draw, **dict(sensor)), draw)
-
-
-def _end_of_contact(how: str, draw: np.random.Generator, index: int) -> World:
-    return _contacts(draw, index, how, '')
 
 
 def _first_touch(draw: np.random.Generator, index: int) -> World:
@@ -75,18 +70,12 @@ def _score_healthy(world: World, trace: Trace) -> Score:
         names = {name for t, name, _ in trace.warnings if begin <= t < following}
         warned += sorted(names - right)
         count += bool(names - right)
+    laws = law_families(trace, end_of_contact(world))
+    false = {'false law': laws.get('spring_damper', 0.0) < max(laws.values())} if laws else {}
     return score(world, trace, more={
         'warned': warned,
         'withheld': (int(np.isnan(trace.K_std[inside]).sum()), int(inside.sum())),
-        'contacts with a warning': (count, len(contacts)), **_false_law(world, trace)})
-
-
-def _false_law(world: World, trace: Trace) -> dict[str, bool]:
-    """Return whether another law is more probable at the end; nothing where not available."""
-    laws = law_families(trace, end_of_contact(world))
-    if not laws:
-        return {}
-    return {'false law': laws.get('spring_damper', 0.0) < max(laws.values())}
+        'contacts with a warning': (count, len(contacts)), **false})
 
 
 def _hold(draw: np.random.Generator, index: int) -> World:
@@ -154,14 +143,10 @@ def _score_taps(world: World, trace: Trace) -> Score:
     after = world.truth.contacts[-1][1] + 0.1
     k = sample_at(trace, after)
     width = 100.0 * float(trace.K_std[k]) / world.truth.wall.stiffness
+    detected = [bool(trace.contact[(trace.t > begin) & (trace.t < end + 0.05)].any())
+                for begin, end in world.truth.contacts]
     return score(world, trace, after, [after], {
-        'stated std of K [%]': width,
-        'contacts detected': (_detected(world, trace), len(world.truth.contacts))})
-
-
-def _detected(world: World, trace: Trace) -> int:
-    return sum(bool(trace.contact[(trace.t > begin) & (trace.t < end + 0.05)].any())
-               for begin, end in world.truth.contacts)
+        'stated std of K [%]': width, 'contacts detected': (sum(detected), len(detected))})
 
 
 def _rates(draw: np.random.Generator, index: int) -> World:
@@ -174,11 +159,11 @@ ROWS = {
                        _score_first_touch),
     'healthy': Row('withheld estimates and false warnings', 60, 12, _healthy, _score_healthy),
     'end_of_contact': Row('x_e told with an error of 2 mm, end of the second contact', 60, 8,
-                          partial(_end_of_contact, WITHIN), score),
+                          partial(_contacts, how=WITHIN), score),
     'end_of_contact_as_told': Row('the same, x_e told without an error', 60, 8,
-                                  partial(_end_of_contact, AS_TOLD), score),
+                                  partial(_contacts, how=AS_TOLD), score),
     'end_of_contact_unknown': Row('the same, x_e unknown', 60, 8,
-                                  partial(_end_of_contact, UNKNOWN), score),
+                                  partial(_contacts, how=UNKNOWN), score),
     'hold_std': Row('a hold of 5 s', 36, 9, _hold, _score_width),
     'stiff': Row('1e5 N/m: pressed at rest, released; pressed in motion', 18, 6, _stiff,
                  _score_stiff),

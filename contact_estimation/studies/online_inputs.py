@@ -4,7 +4,7 @@
 """Rows of the on-line study: slow touches, noise, faults of the inputs, and glitches."""
 
 from math import inf, nan
-from typing import Callable
+from typing import Any, Callable
 
 import numpy as np
 
@@ -15,80 +15,56 @@ from .online_worlds import simulate, Stream, World
 from .paths import Array, cruise, start
 from ..physics.prior import log_uniform
 
-Fault = Callable[[World, float, float, np.random.Generator], World]
-"""Takes a world, begin and end [s] and a generator; returns it with the fault in between."""
+Fault = Callable[[Stream, float, float, np.random.Generator], Stream]
+"""Takes messages, begin and end [s] and a generator; returns them with the fault in between."""
 
 _JUMP_NS = 20_000_000_000
 _WILD = np.array([1e6, -1e6, 1e3, -1e3, np.nan, np.inf, -np.inf])
 _WILD_SHARE = 0.5
 
 
-def _changed(stream: Stream, begin: float, end: float, change: Callable[[Array], Array]) -> Stream:
-    values = stream.values.copy()
-    inside = (stream.t >= begin) & (stream.t < end)
-    values[inside] = change(values[inside])
-    return stream._replace(values=values)
-
-
-def noise_burst(std: float) -> Fault:
-    """Return the fault that adds white noise [N]."""
-    def fault(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-        return world._replace(wrenches=_changed(
-            world.wrenches, begin, end, lambda f: f + std * draw.standard_normal(f.shape)))
+def _changed(change: Callable[[Array, np.random.Generator], Array]) -> Fault:
+    def fault(stream: Stream, begin: float, end: float, draw: np.random.Generator) -> Stream:
+        values = stream.values.copy()
+        inside = (stream.t >= begin) & (stream.t < end)
+        values[inside] = change(values[inside], draw)
+        return stream._replace(values=values)
 
     return fault
 
 
-def flipped_sign(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-    """Flip the sign of the force."""
-    return world._replace(wrenches=_changed(world.wrenches, begin, end, lambda f: -f))
+def _silent(stream: Stream, begin: float, end: float, draw: np.random.Generator) -> Stream:
+    kept = (stream.t < begin) | (stream.t >= end)
+    return Stream(stream.t[kept], stream.stamp_ns[kept], stream.values[kept])
 
 
-def frozen_force(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-    """Repeat the first force."""
-    return world._replace(wrenches=_changed(
-        world.wrenches, begin, end, lambda f: np.repeat(f[:1], len(f), axis=0)))
+def _back(stream: Stream, begin: float, end: float, draw: np.random.Generator) -> Stream:
+    """Set the clock of all stamps back from `begin` on, for good."""
+    return stream._replace(stamp_ns=stream.stamp_ns - _JUMP_NS * (stream.t >= begin))
 
 
-def frozen_position(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-    """Repeat the first position and velocity."""
-    return world._replace(motions=_changed(
-        world.motions, begin, end, lambda x: np.repeat(x[:1], len(x), axis=0)))
-
-
-def silence(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-    """Drop all messages."""
-    def dropped(stream: Stream) -> Stream:
-        kept = (stream.t < begin) | (stream.t >= end)
-        return Stream(stream.t[kept], stream.stamp_ns[kept], stream.values[kept])
-
-    return world._replace(wrenches=dropped(world.wrenches), motions=dropped(world.motions))
-
-
-def wild_values(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
+def _wild(values: Array, draw: np.random.Generator) -> Array:
     """Replace every second value by one that is huge or not finite."""
-    def wild(values: Array) -> Array:
-        some = draw.uniform(size=values.shape) < _WILD_SHARE
-        return np.where(some, draw.choice(_WILD, values.shape), values)
-
-    return world._replace(wrenches=_changed(world.wrenches, begin, end, wild),
-                          motions=_changed(world.motions, begin, end, wild))
+    some = draw.uniform(size=values.shape) < _WILD_SHARE
+    return np.where(some, draw.choice(_WILD, values.shape), values)
 
 
-def clock_back(world: World, begin: float, end: float, draw: np.random.Generator) -> World:
-    """Set the clock of all stamps back by 20 s from `begin` on, for good."""
-    def late(stream: Stream) -> Stream:
-        return stream._replace(stamp_ns=stream.stamp_ns - _JUMP_NS * (stream.t >= begin))
-
-    return world._replace(wrenches=late(world.wrenches), motions=late(world.motions))
+def _repeated(values: Array, draw: np.random.Generator) -> Array:
+    return np.repeat(values[:1], len(values), axis=0)
 
 
-FAULTS: dict[str, Fault] = {
-    'noise of 3 N': noise_burst(3.0), 'noise of 8 N': noise_burst(8.0),
-    'sign flipped': flipped_sign, 'force frozen': frozen_force, 'silence': silence,
-    'wild values': wild_values, 'position frozen': frozen_position, 'clock back': clock_back,
+_FORCE, _MOTION, _BOTH = ('wrenches',), ('motions',), ('wrenches', 'motions')
+FAULTS: dict[str, tuple[tuple[str, ...], Fault]] = {
+    'noise of 3 N': (_FORCE, _changed(lambda f, draw: f + 3.0 * draw.standard_normal(f.shape))),
+    'noise of 8 N': (_FORCE, _changed(lambda f, draw: f + 8.0 * draw.standard_normal(f.shape))),
+    'sign flipped': (_FORCE, _changed(lambda f, draw: -f)),
+    'force frozen': (_FORCE, _changed(_repeated)),
+    'silence': (_BOTH, _silent),
+    'wild values': (_BOTH, _changed(_wild)),
+    'position frozen': (_MOTION, _changed(_repeated)),
+    'clock back': (_BOTH, _back),
 }
-"""By name."""
+"""By name: which messages of a world it changes, and how."""
 
 _SLOW_FORCE, _SIGMAS = 20.0, 8.0  # [N], of the noise: what a slow touch must reach
 _SLOWEST = 1.0  # rise of the force, or a world lasts for minutes [N/s]
@@ -170,7 +146,11 @@ def _bursts(draw: np.random.Generator, index: int) -> World:
     world = simulate(', then '.join(chosen), parameters, pieces,
                      seconds, wall, drawn_sensor(draw), draw, {'clean': clean})
     for k, name in enumerate(chosen):
-        world = FAULTS[name](world, begin + _FAULT_S * k, begin + _FAULT_S * (k + 1), draw)
+        streams, fault = FAULTS[name]
+        at = begin + _FAULT_S * k
+        changed: dict[str, Any] = {stream: fault(getattr(world, stream), at, at + _FAULT_S, draw)
+                                   for stream in streams}
+        world = world._replace(**changed)
     return world
 
 

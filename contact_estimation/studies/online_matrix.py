@@ -91,8 +91,7 @@ def _measure(t: Array, x: Array, F: Array, draw: np.random.Generator) -> list[Ax
     return [
         tuple(ContactSample(round(stamps[k] * 1e9), float(positions[i][k]), nan,
                             float(forces[i][k])) for i in range(3))
-        for k in range(len(stamps))
-    ]
+        for k in range(len(stamps))]
 
 
 def estimate_of(world: MatrixWorld) -> MatrixEstimate:

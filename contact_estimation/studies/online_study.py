@@ -86,8 +86,7 @@ def make_parser() -> Parser:
         description='Measure on-line estimation with default parameters in simulated worlds whose '
         'motions, walls and sensors share nothing with the plant of this package. Prints a '
         'Markdown table: median / 90 % of errors, and how often the truth is within 2 standard '
-        'deviations.',
-    )
+        'deviations.')
     parser.add_argument('--only', nargs='+', metavar='ROW', choices=tuple(ROWS),
                         help=f'any of {", ".join(ROWS)} (all)')
     parser.add_argument('--estimators', nargs='*', metavar='NAME', choices=tuple(CANDIDATES),
@@ -115,8 +114,10 @@ def run(options: Any) -> int:
     if compared:
         tables = {row: [summary(name, scores[name, row]) for name in names] for row in rows}
     else:
-        tables = {'row': [summary(f'{row}: {group[0].group}' if group[0].group else row, group)
-                          for row in rows for group in _grouped(scores[_DEFAULT, row])]}
+        tables = {'row': [
+            summary(f'{row}: {group}' if group else row, [
+                one for one in scores[_DEFAULT, row] if one.group == group])
+            for row in rows for group in dict.fromkeys(s.group for s in scores[_DEFAULT, row])]}
     print(as_markdown(tables))
     worlds = {f'{row} {name}'.strip(): [one._asdict() for one in group]
               for (name, row), group in scores.items()}
@@ -143,13 +144,6 @@ def scored(candidate: str, row: str, world: int, seed: int) -> Score:
     """Return the score of a candidate in a world, given by its index."""
     draw = np.random.default_rng([seed, crc32(row.encode()), world])
     return ROWS[row].run(draw, world, CANDIDATES.get(candidate))
-
-
-def _grouped(scores: Iterable[Score]) -> list[list[Score]]:
-    groups: dict[str, list[Score]] = {}
-    for score in scores:
-        groups.setdefault(score.group, []).append(score)
-    return list(groups.values())
 
 
 def summary(name: str, scores: Sequence[Score]) -> dict[str, Any]:
@@ -192,13 +186,10 @@ def _more(found: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def as_markdown(tables: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
     """Format summaries as Markdown tables, each with its title in the first column."""
-    return '\n\n'.join(markdown_table([title, *_COLUMNS], map(_cells, rows))
-                       for title, rows in tables.items())
-
-
-def _cells(row: Mapping[str, Any]) -> list[str]:
-    more = '; '.join(f'{key} {_text(value)}' for key, value in row['more'].items() if value)
-    return [row['row'], str(row['worlds']), *(_text(row[key]) for key in _COLUMNS[1:-1]), more]
+    return '\n\n'.join(markdown_table([title, *_COLUMNS], (
+        [row['row'], row['worlds'], *(_text(row[key]) for key in _COLUMNS[1:-1]),
+         '; '.join(f'{key} {_text(value)}' for key, value in row['more'].items() if value)]
+        for row in rows)) for title, rows in tables.items())
 
 
 def _text(value: Any) -> str:

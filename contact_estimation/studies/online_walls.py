@@ -51,16 +51,12 @@ def _laws(draw: np.random.Generator, index: int) -> World:
     # A stronger damper would hide what the law adds to the spring.
     wall = wall._replace(damping=stiffness * log_uniform(draw, 2e-3, 2e-2))
     if _LAWS[law][0] == 'moving':
-        # The touch is about 0.3 s after the approach has begun at 1 s.
-        wall = wall._replace(shift=ramp(1.3 + _MOVE_BEGIN_S, _MOVE_S, _moved(depth)))
+        # The touch is about 0.3 s after the approach has begun at 1 s. By more than a third of
+        # the depth the contact would end.
+        wall = wall._replace(shift=ramp(1.3 + _MOVE_BEGIN_S, _MOVE_S, min(_MOVED, depth / 3.0)))
     pieces, seconds = presses(draw, depth, contacts=1, excited=motion == 'excited')
     return simulate(f'{law}, {motion}', parameters, pieces, seconds, wall, drawn_sensor(draw),
                     draw)
-
-
-def _moved(depth: float) -> float:
-    """Return 1 mm, but no more than a third of the depth, or the contact would end."""
-    return min(_MOVED, depth / 3.0)
 
 
 def _score_laws(world: World, trace: Trace) -> Score:

@@ -109,9 +109,8 @@ def low_pass(sensor: Sensor, force: Array) -> Array:
 
 
 def simulate(
-    group: str, parameters: Mapping[str, Any], pieces: Sequence[Piece],
-    seconds: float, wall: Wall, sensor: Sensor, draw: np.random.Generator,
-    marks: Mapping[str, float] | None = None,
+    group: str, parameters: Mapping[str, Any], pieces: Sequence[Piece], seconds: float, wall: Wall,
+    sensor: Sensor, draw: np.random.Generator, marks: Mapping[str, float] | None = None,
 ) -> World:
     """Simulate some seconds of a world along pieces of a path relative to `wall.location`."""
     t = np.arange(round(seconds * FINE)) / FINE

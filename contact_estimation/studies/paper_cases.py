@@ -238,8 +238,7 @@ def _simulated(excitation: str) -> list[Case]:
         Case(case, 'mrac', 'eq20', ' (eq. 25 alone)',
              tuning={**_PLAIN, 'tuning.mrac.memory_s': 0.0}, **arm),
         Case(case, 'rls', 'pass_through', tuning=_RLS, **more),
-        Case(case, BEST, 'eq20', tuning=_BEST, **more),
-    ]
+        Case(case, BEST, 'eq20', tuning=_BEST, **more)]
 
 
 def _on_testbed(case: str, excitation: str, hold_s: float = 2.0) -> list[Case]:
@@ -247,8 +246,7 @@ def _on_testbed(case: str, excitation: str, hold_s: float = 2.0) -> list[Case]:
     return [
         Case(case, 'indirect_adaptive', _TESTBED_LAW, tuning=_PLAIN, **more),
         Case(case, 'rls', 'pass_through', tuning=_RLS, **more),
-        Case(case, BEST, _TESTBED_LAW, tuning=_BEST_ON_TESTBED, as_paper=False, **more),
-    ]
+        Case(case, BEST, _TESTBED_LAW, tuning=_BEST_ON_TESTBED, as_paper=False, **more)]
 
 
 PRBS_LONG = _on_testbed('testbed_prbs_long', 'prbs', LONG_HOLD_S)

@@ -25,31 +25,21 @@ Runs = list[tuple[Case, ClosedLoopRun]]
 
 def plot_figures(folder: Path) -> list[Path]:
     """Plot all figures with seed 0."""
-    pyplot = require_matplotlib()
     folder.mkdir(parents=True, exist_ok=True)
+    sine, long = _runs('testbed_sine'), _runs('testbed_sine_long')
     return [
-        _trajectory(pyplot, folder / 'figure_05_trajectory.png'),
-        _simulated(pyplot, 6, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
-        *_signal_processing(pyplot, folder),
-        _simulated(pyplot, 9, 'simulation_none', folder / 'figure_09_without_excitation.png'),
-        *_testbed_figures(pyplot, folder),
-    ]
-
-
-def _testbed_figures(pyplot: Any, folder: Path) -> list[Path]:
-    sine, sine_long = _runs('testbed_sine'), _runs('testbed_sine_long')
-    prbs, prbs_long = _runs('testbed_prbs'), _runs('testbed_prbs_long')
-    none = _runs('testbed_none')
-    return [
-        _trajectories(pyplot, sine, folder / 'figure_10_testbed_trajectories.png'),
-        _profiles(pyplot, 11, sine, folder / 'figure_11_testbed_sine_profiles.png'),
-        _measured(pyplot, 12, sine, folder / 'figure_12_testbed_sine.png'),
-        _profiles(pyplot, 13, sine_long, folder / 'figure_13_testbed_long_profiles.png'),
-        _measured(pyplot, 14, sine_long, folder / 'figure_14_testbed_long.png'),
-        _measured(pyplot, 15, prbs, folder / 'figure_15_testbed_prbs.png'),
-        _measured(pyplot, 16, prbs_long, folder / 'figure_16_testbed_prbs_long.png'),
-        _measured(pyplot, 17, none, folder / 'figure_17_testbed_none.png'),
-        _testbed_signal_processing(pyplot, folder / 'testbed_signal_processing.png'),
+        _trajectory(folder / 'figure_05_trajectory.png'),
+        _simulated(6, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
+        *_signal_processing(folder),
+        _simulated(9, 'simulation_none', folder / 'figure_09_without_excitation.png'),
+        _trajectories(sine, folder / 'figure_10_testbed_trajectories.png'),
+        _profiles(11, sine, folder / 'figure_11_testbed_sine_profiles.png'),
+        _measured(12, sine, folder / 'figure_12_testbed_sine.png'),
+        _profiles(13, long, folder / 'figure_13_testbed_long_profiles.png'),
+        _measured(14, long, folder / 'figure_14_testbed_long.png'),
+        *(_measured(n, _runs(name), folder / f'figure_{n}_{name}.png') for n, name in (
+            (15, 'testbed_prbs'), (16, 'testbed_prbs_long'), (17, 'testbed_none'))),
+        _testbed_signal_processing(folder / 'testbed_signal_processing.png'),
     ]
 
 
@@ -70,110 +60,113 @@ def _contact(run: ClosedLoopRun) -> tuple[float, float]:
     return touching[0] - _BEFORE, touching[-1] + _AFTER
 
 
-def _save(pyplot: Any, figure: Any, path: Path) -> Path:
+def _panels(height: float, rows: int = 1, **options: Any) -> tuple[Any, Any]:
+    return require_matplotlib().subplots(  # type: ignore[no-any-return]
+        rows, 1, figsize=(8.0, height), layout='constrained', **options)
+
+
+def _save(figure: Any, path: Path) -> Path:
     for axis in figure.axes:
         axis.spines[['top', 'right']].set_visible(False)
         axis.grid(color='#e4e7eb', linewidth=0.6)
     figure.savefig(path, dpi=130)
-    pyplot.close(figure)
+    require_matplotlib().close(figure)
     return path
 
 
-def _trajectory(pyplot: Any, path: Path) -> Path:
+def _trajectory(path: Path) -> Path:
     experiment = _cases('simulation_none')[0].experiment()
     t = np.arange(0.0, experiment.duration, 0.01)
-    figure, axis = pyplot.subplots(figsize=(8.0, 3.5), layout='constrained')
+    figure, axis = _panels(3.5)
     axis.plot(t, [experiment.desired(s).position for s in t.tolist()], color=_COLOURS[0],
               label='reference trajectory x_d')
     axis.axhline(0.0, color=_TRUE, label='wall x_e')
     axis.set(xlabel='time [s]', ylabel='position [m]',
              title='Fig. 5: trajectory of the manipulator')
     axis.legend(frameon=False)
-    return _save(pyplot, figure, path)
+    return _save(figure, path)
 
 
-def _trajectories(pyplot: Any, runs: Runs, path: Path) -> Path:
-    figure, axis = pyplot.subplots(figsize=(8.0, 4.0), layout='constrained')
+def _trajectories(runs: Runs, path: Path) -> Path:
+    figure, axis = _panels(4.0)
     for (case, run), colour in zip(runs[:2], _TESTBED_COLOURS):
         # The reference made of a sample is followed one sample later.
         x_r = [r.reference.position if r.reference else np.nan for r in run.results]
         axis.plot(_times(run), x_r, color=colour, label=f'x_r, {case.estimator} ({case.law})')
-    run = runs[0][1]
+    case, run = runs[0]
     axis.plot(_times(run), [truth.position for truth in run.truths], color=_TRUE,
-              label=f'wall, {runs[0][0].estimator}')
+              label=f'wall, {case.estimator}')
     axis.set(xlabel='time [s]', ylabel='position [m]', xlim=_contact(run), ylim=(-0.01, 0.03),
              title='Fig. 10: reference trajectories on the testbed, sine excitation')
     axis.legend(frameon=False, fontsize=8)
-    return _save(pyplot, figure, path)
+    return _save(figure, path)
 
 
-def _profiles(pyplot: Any, number: int, runs: Runs, path: Path) -> Path:
+def _profiles(number: int, runs: Runs, path: Path) -> Path:
     case, run = runs[0]
-    figure, axes = pyplot.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, layout='constrained')
+    figure, axes = _panels(6.0, 2, sharex=True)
     axes[0].plot(_times(run), [-r.sample.force for r in run.results], color=_COLOURS[0])
     axes[1].plot(_times(run), [1e3 * r.sample.position for r in run.results], color=_COLOURS[0])
     axes[0].set(ylabel='contact force [N]', xlim=_contact(run),
                 title=f'Fig. {number}: {case.case}, {case.estimator}, as processed, seed 0')
     axes[1].set(xlabel='time [s]', ylabel='wall deflection [mm]')
-    return _save(pyplot, figure, path)
+    return _save(figure, path)
 
 
-def _simulated(pyplot: Any, number: int, name: str, path: Path) -> Path:
+def _simulated(number: int, name: str, path: Path) -> Path:
     runs = _runs(name)
     labels = [f'{case.estimator}{case.variant}, {case.law}' for case, _ in runs]
-    figure, axes = _estimates(pyplot, number, runs, labels, _COLOURS)
-    for axis, true in zip(axes, (K_E, B_E)):
-        axis.set(ylim=(0.0, 1.6 * true), xlim=(5.5, 9.6))
-    return _save(pyplot, figure, path)
+    return _estimates(number, runs, labels, _COLOURS, 1.6 * B_E, (5.5, 9.6), path)
 
 
-def _measured(pyplot: Any, number: int, runs: Runs, path: Path) -> Path:
+def _measured(number: int, runs: Runs, path: Path) -> Path:
     labels = [f'{case.estimator} ({case.law})' for case, _ in runs]
-    figure, axes = _estimates(pyplot, number, runs, labels, _TESTBED_COLOURS)
-    for axis, top in zip(axes, (1.6 * K_E, 2.5 * B_E)):
-        axis.set(ylim=(0.0, top), xlim=_contact(runs[0][1]))
-    return _save(pyplot, figure, path)
+    return _estimates(
+        number, runs, labels, _TESTBED_COLOURS, 2.5 * B_E, _contact(runs[0][1]), path)
 
 
 def _estimates(
-    pyplot: Any, number: int, runs: Runs, labels: Sequence[str], colours: Sequence[str]
-) -> tuple[Any, Any]:
+    number: int, runs: Runs, labels: Sequence[str], colours: Sequence[str], greatest_B: float,
+    shown: tuple[float, float], path: Path,
+) -> Path:
     """Plot K_e and B_e of all runs over time."""
-    figure, axes = pyplot.subplots(2, 1, figsize=(8.0, 7.0), sharex=True, layout='constrained')
+    figure, axes = _panels(7.0, 2, sharex=True)
     for (_, run), label, colour in zip(runs, labels, colours, strict=True):
         look: dict[str, Any] = {'color': colour, 'label': label}
         axes[0].plot(_times(run), [r.estimate.stiffness for r in run.results], **look)
         axes[1].plot(_times(run), [r.estimate.damping for r in run.results], **look)
-    for axis, true, name in zip(axes, (K_E, B_E), ('stiffness [N/m]', 'damping [kg/s]')):
+    for axis, true, top, name in (
+        (axes[0], K_E, 1.6 * K_E, 'stiffness [N/m]'), (axes[1], B_E, greatest_B, 'damping [kg/s]'),
+    ):
         axis.axhline(true, color=_TRUE, zorder=0)
-        axis.set(ylabel=name)
+        axis.set(ylabel=name, ylim=(0.0, top), xlim=shown)
     axes[0].set_title(f'Fig. {number}: {runs[0][0].case}, seed 0')
     axes[0].legend(frameon=False, fontsize=8)
     axes[1].set_xlabel('time [s]')
-    return figure, axes
+    return _save(figure, path)
 
 
-def _signal_processing(pyplot: Any, folder: Path) -> list[Path]:
+def _signal_processing(folder: Path) -> list[Path]:
     t, force = step_response(step_recording(0))
     paths = []
     for plot, title, name in (
         (_step_force, 'Fig. 7: force response for signal processing', '07_step_response'),
         (_spectrum, 'Fig. 8: frequency response of the contact force', '08_spectrum'),
     ):
-        figure, axis = pyplot.subplots(figsize=(8.0, 3.5), layout='constrained')
+        figure, axis = _panels(3.5)
         plot(axis, t, force, 'measured force')
         axis.set_title(title)
-        paths.append(_save(pyplot, figure, folder / f'figure_{name}.png'))
+        paths.append(_save(figure, folder / f'figure_{name}.png'))
     return paths
 
 
-def _testbed_signal_processing(pyplot: Any, path: Path) -> Path:
+def _testbed_signal_processing(path: Path) -> Path:
     t, force = step_response(record_testbed_step(0, as_paper=True))
-    figure, axes = pyplot.subplots(2, 1, figsize=(8.0, 6.0), layout='constrained')
+    figure, axes = _panels(6.0, 2)
     _step_force(axes[0], t, force, 'force, as processed')
     axes[0].set_title('Step response on the testbed for signal processing')
     _spectrum(axes[1], t, force)
-    return _save(pyplot, figure, path)
+    return _save(figure, path)
 
 
 def _step_force(axis: Any, t: Array, force: Array, label: str) -> None:

@@ -82,18 +82,10 @@ class Row(NamedTuple):
 
 def as_markdown(rows: Sequence[Row]) -> str:
     """Format the table and its totals."""
-    return '\n'.join([markdown_table(_COLUMNS, map(_cells, rows)), '', *_totals(rows)])
-
-
-def _cells(row: Row) -> list[str]:
-    return [row.name, row.source, row.verdict.replace('_', ' ') or '-', _names(row),
-            row.outcome or '-', _errors(row), f'{row.cpu_s:.0f}']
-
-
-def _names(row: Row) -> str:
-    if row.error:
-        return row.error
-    return '; '.join(_name(effect) for effect in row.effects) or 'none'
+    return '\n'.join([markdown_table(_COLUMNS, (
+        [row.name, row.source, row.verdict.replace('_', ' ') or '-',
+         row.error or '; '.join(map(_name, row.effects)) or 'none', row.outcome or '-',
+         _errors(row), f'{row.cpu_s:.0f}'] for row in rows)), '', *_totals(rows)])
 
 
 def _name(effect: Mapping[str, Any]) -> str:
@@ -144,8 +136,7 @@ def make_parser() -> Parser:
         'names, held-out errors and processor time as a Markdown table. NAME.truth.json, where it '
         'exists, says which names are right (acceptable_names, effects or families); a name '
         'counts by its family. A NAME with "train" is tested on the recording with "pulses" in '
-        'its place, if there is one, other records on a part of their own.',
-    )
+        'its place, if there is one, other records on a part of their own.')
     parser.add_argument('folder', metavar='FOLDER', help='folder of the records')
     parser.add_argument('--output', metavar='FILE.md', help='write the table')
     parser.add_argument('--jobs', type=int, default=1,
@@ -157,7 +148,9 @@ def run(options: Any) -> int:
     """Diagnose the records and print the table."""
     require_at_least(options, jobs=1)
     check_outputs([options.output], {})
-    text = as_markdown(diagnose_records(find_records(Path(options.folder)), options.jobs))
+    records = find_records(Path(options.folder))
+    rows = computed('records', {one.name: Call(row_of, (one,)) for one in records}, options.jobs)
+    text = as_markdown([rows[one.name] for one in records])
     print(text)
     write_results(options, {'output': lambda: text + '\n'})
     return 0
@@ -170,8 +163,11 @@ def find_records(folder: Path) -> list[Record]:
         nominal = recording.with_suffix('.nominal.yaml')
         if nominal.exists():
             truth = recording.with_suffix('.truth.json')
-            found.append(Record(recording.stem, recording, nominal, _partner(recording),
-                                _read_truth(truth) if truth.exists() else None))
+            partner = recording.with_name(recording.name.replace(_TRAIN, _PARTNER))
+            found.append(Record(
+                recording.stem, recording, nominal,
+                partner if partner != recording and partner.exists() else None,
+                _read_truth(truth) if truth.exists() else None))
     partners = {record.holdout for record in found}
     found = [record for record in found if record.recording not in partners]
     if not found:
@@ -179,11 +175,6 @@ def find_records(folder: Path) -> list[Record]:
             f'{folder} must hold records, NAME.mcap with NAME.nominal.yaml, got none; name the '
             'folder that holds the files')
     return found
-
-
-def _partner(recording: Path) -> Path | None:
-    partner = recording.with_name(recording.name.replace(_TRAIN, _PARTNER))
-    return partner if partner != recording and partner.exists() else None
 
 
 def _read_truth(path: Path) -> Mapping[str, Any]:
@@ -198,19 +189,14 @@ def _read_truth(path: Path) -> Mapping[str, Any]:
     return truth
 
 
-def diagnose_records(records: Sequence[Record], jobs: int) -> list[Row]:
-    """Diagnose records in parallel processes."""
-    rows = computed('records', {one.name: Call(row_of, (one,)) for one in records}, jobs)
-    return [rows[one.name] for one in records]
-
-
 def row_of(record: Record) -> Row:
     """Diagnose without the truth, and compare with it."""
     holdout = [] if record.holdout is None else ['--holdout', str(record.holdout)]
     answer = diagnosed(record.recording, '--nominal', str(record.nominal), *holdout)
     truth, found = record.truth or {}, answer.report or {}
     force = found.get('fit', {}).get('force_rmse_n', {})
-    std = _force_std(record.holdout or record.recording) if found else 1.0
+    std = float(np.nanstd(read_recording(
+        record.holdout or record.recording).signals.force)) if found else 1.0
     recalibrated, corrected = (None if force.get(name) is None else force[name] / std
                                for name in ('recalibrated', 'corrected'))
     return Row(
@@ -218,10 +204,6 @@ def row_of(record: Record) -> Row:
         str(found.get('verdict', '')), found.get('effects', []),
         class_of(truth, answer.report) if record.truth is not None else '',
         recalibrated, corrected, answer.error, answer.cpu_s)
-
-
-def _force_std(path: Path) -> float:
-    return float(np.nanstd(read_recording(path).signals.force))
 
 
 main = command(make_parser, run)

@@ -17,6 +17,8 @@ from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ..commands.progress import Progress
 
+_NAMES = 'stiffness', 'damping'
+
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
     """Run all cases with all seeds."""
@@ -40,47 +42,32 @@ def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
     """Summarise the runs of a case."""
     values = np.array(errors)
     median = np.median(np.abs(values), axis=0)
-    rms = np.sqrt(np.mean(values**2, axis=0))
-    average = np.mean(values, axis=0)  # as in the paper, over its ten experiments
-    paper = PAPER.get((case.case, case.estimator))
+    kinds = {
+        'error': median[:2].tolist(), 'rms': np.sqrt(np.mean(values[:, :2]**2, axis=0)).tolist(),
+        'average': np.mean(values[:, :2], axis=0).tolist(),  # as in the paper, over its ten runs
+        'bound': [value if isfinite(value) else None for value in median[2:].tolist()]}
+    paper = PAPER.get((case.case, case.estimator), (None, None))
     return {
-        'case': case.case,
-        'estimator': case.estimator + case.variant,
-        'law': case.law,
+        'case': case.case, 'estimator': case.estimator + case.variant, 'law': case.law,
         'seeds': len(errors),
-        'stiffness_error_percent': float(median[0]),
-        'damping_error_percent': float(median[1]),
-        'stiffness_rms_percent': float(rms[0]),
-        'damping_rms_percent': float(rms[1]),
-        'stiffness_average_percent': float(average[0]),
-        'damping_average_percent': float(average[1]),
-        'stiffness_bound_percent': _or_none(median[2]),
-        'damping_bound_percent': _or_none(median[3]),
-        'paper_stiffness_error_percent': paper.stiffness if paper else None,
-        'paper_damping_error_percent': paper.damping if paper else None,
-    }
-
-
-def _or_none(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
+        **{f'{name}_{kind}_percent': value for kind, pair in kinds.items()
+           for name, value in zip(_NAMES, pair)},
+        **{f'paper_{name}_error_percent': value for name, value in zip(_NAMES, paper)}}
 
 
 def as_text(rows: list[dict[str, Any]]) -> str:
     """Format the table."""
     lines = [
         f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
-        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]'
-    ]
+        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]']
     for row in rows:
         pairs = [
             _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
-            for kind in ('error', 'rms', 'average', 'bound')
-        ]
+            for kind in ('error', 'rms', 'average', 'bound')]
         paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
         lines.append(
             f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
-            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'
-        )
+            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}')
     return '\n'.join(lines)
 
 
@@ -96,12 +83,10 @@ def make_parser() -> Parser:
         prog='reproduce',
         description="Run the paper's cases, in simulation and on a virtual testbed, and print the "
         'errors at the last instant of contact with the Cramer-Rao bounds and the errors printed '
-        'in the paper.',
-    )
+        'in the paper.')
     parser.add_argument(
         '--seeds', type=int, default=20,
-        help='runs of each case (20); at most 10 on the testbed, as in the paper',
-    )
+        help='runs of each case (20); at most 10 on the testbed, as in the paper')
     parser.add_argument('--json', metavar='FILE', help='write the table as JSON')
     parser.add_argument('--output', metavar='DIR', help='plot the figures as PNG into this folder')
     parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1,

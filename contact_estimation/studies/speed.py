@@ -237,8 +237,7 @@ def make_parser() -> Parser:
         description='Measure run times and their ratios to a reference measured in the same run: '
         "estimators against filterpy's KalmanFilter, the node against an rclpy node that only "
         'echoes, replay against rosbags deserialising the same file. Other load on the machine '
-        'affects all times; the ratios are the most robust.',
-    )
+        'affects all times; the ratios are the most robust.')
     parser.add_argument('which', nargs='*', metavar='BENCHMARK',
                         help=f'any of {", ".join(BENCHMARKS)} (all)')
     parser.add_argument('--json', metavar='FILE', help='write all results as JSON')

@@ -75,8 +75,7 @@ def compared_nodes(estimator: str) -> list[dict[str, Any]]:
     """Alternate echo and estimator: ratios of the same round, medians over the rounds."""
     table = []
     for rate in _RATES:
-        runs = [[_run_once(node, rate, estimator) for node in _MODULES]
-                for _ in range(_ROUNDS)]
+        runs = [[_run_once(node, rate, estimator) for node in _MODULES] for _ in range(_ROUNDS)]
         row: dict[str, Any] = {'rate [Hz]': rate}
         for name in ('CPU [%]', 'p50 [ms]', 'p99 [ms]'):
             row[name] = median(own[name] for _, own in runs)

@@ -10,7 +10,6 @@ from typing import NamedTuple
 from ..estimators.offline_estimator import TargetImpedance
 from ..reference.setpoints import Reference
 
-
 K_E, B_E = 4800.0, 200.0
 """True stiffness [N/m] and damping [N s/m] of the wall."""
 
@@ -118,7 +117,6 @@ class TestbedConstants:
 TESTBED = TestbedConstants()
 """The constants used by all runs."""
 
-
 Symmetric = tuple[float, float, float, float, float, float]
 """Entries 11, 12, 13, 22, 23, 33."""
 
@@ -131,10 +129,8 @@ def solve(matrix: Symmetric, right: Triple) -> Triple:
     k22, k23, k33 = m11 * m33 - m13 * m13, m12 * m13 - m11 * m23, m11 * m22 - m12 * m12
     scale = 1.0 / (m11 * k11 + m12 * k12 + m13 * k13)
     return (
-        scale * (k11 * r1 + k12 * r2 + k13 * r3),
-        scale * (k12 * r1 + k22 * r2 + k23 * r3),
-        scale * (k13 * r1 + k23 * r2 + k33 * r3),
-    )
+        scale * (k11 * r1 + k12 * r2 + k13 * r3), scale * (k12 * r1 + k22 * r2 + k23 * r3),
+        scale * (k13 * r1 + k23 * r2 + k33 * r3))
 
 
 def times(matrix: Symmetric, vector: Triple) -> Triple:
@@ -143,8 +139,7 @@ def times(matrix: Symmetric, vector: Triple) -> Triple:
     v1, v2, v3 = vector
     return (
         m11 * v1 + m12 * v2 + m13 * v3, m12 * v1 + m22 * v2 + m23 * v3,
-        m13 * v1 + m23 * v2 + m33 * v3,
-    )
+        m13 * v1 + m23 * v2 + m33 * v3)
 
 
 class Tip(NamedTuple):
@@ -178,9 +173,8 @@ class PlanarArm:
         """Compute M(a); angles: link angles [rad]; returns M: upper triangle [kg m^2]."""
         a1, a2, a3 = angles
         return (
-            self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3),
-            self._c22, self._c23 * cos(a2 - a3) + self._j23, self._c33,
-        )
+            self._c11, self._c12 * cos(a1 - a2) + self._j12, self._c13 * cos(a1 - a3), self._c22,
+            self._c23 * cos(a2 - a3) + self._j23, self._c33)
 
     def centrifugal(self, angles: Triple, rates: Triple) -> Triple:
         """Compute the torques h(a, a') [N m] at link angles [rad] and rates [rad/s]."""
@@ -188,10 +182,8 @@ class PlanarArm:
         s12, s13 = self._c12 * sin(a1 - a2), self._c13 * sin(a1 - a3)
         s23 = self._c23 * sin(a2 - a3)
         return (
-            s12 * w2 * w2 + s13 * w3 * w3,
-            s23 * w3 * w3 - s12 * w1 * w1,
-            -s13 * w1 * w1 - s23 * w2 * w2,
-        )
+            s12 * w2 * w2 + s13 * w3 * w3, s23 * w3 * w3 - s12 * w1 * w1,
+            -s13 * w1 * w1 - s23 * w2 * w2)
 
     def accelerations(
         self, angles: Triple, rates: Triple, torques: Triple, force_x: float
@@ -209,14 +201,11 @@ class PlanarArm:
             (
                 self._c11, self._c12 * (c1 * c2 + s1 * s2) + self._j12,
                 self._c13 * (c1 * c3 + s1 * s3), self._c22,
-                self._c23 * (c2 * c3 + s2 * s3) + self._j23, self._c33,
-            ),
+                self._c23 * (c2 * c3 + s2 * s3) + self._j23, self._c33),
             (
                 t1 - t2 - h12 * q2 - h13 * q3 - force_x * l1 * s1,
                 t2 - t3 - h23 * q3 + h12 * q1 - force_x * l2 * s2,
-                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3,
-            ),
-        )
+                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3))
 
     def joint_friction(self, rates: Triple, dry: float = 1.0, viscous: float = 1.0) -> Triple:
         """Compute the friction of the gears, of which shares are dry and viscous [N m]."""
@@ -226,8 +215,7 @@ class PlanarArm:
         return (
             dry * (c1 * tanh(w1 / s)) + viscous * b1 * w1,
             dry * (c2 * tanh(v2 / s)) + viscous * b2 * v2,
-            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3,
-        )
+            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3)
 
     def tip_x(self, angles: Triple) -> float:
         """Compute the distance of the tip from the base [m], as `tip` does."""
@@ -239,17 +227,15 @@ class PlanarArm:
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)
         w1, w2, w3 = rates
         return Tip(
-            y1 + y2 + y3, -(x1 + x2 + x3), angles[2],
-            x1 * w1 + x2 * w2 + x3 * w3, y1 * w1 + y2 * w2 + y3 * w3, w3,
-        )
+            y1 + y2 + y3, -(x1 + x2 + x3), angles[2], x1 * w1 + x2 * w2 + x3 * w3,
+            y1 * w1 + y2 * w2 + y3 * w3, w3)
 
     def jacobian(self, angles: Triple) -> tuple[Triple, Triple]:
         """Compute d x / d a and d y / d a of the tip [m]; the third row is (0, 0, 1)."""
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
         return (
             (-l1 * sin(a1), -l2 * sin(a2), -l3 * sin(a3)),
-            (l1 * cos(a1), l2 * cos(a2), l3 * cos(a3)),
-        )
+            (l1 * cos(a1), l2 * cos(a2), l3 * cos(a3)))
 
     def angles_at(self, x: float, y: float, angle: float) -> Triple:
         """Solve the inverse kinematics for link angles [rad], elbow up."""
@@ -304,8 +290,7 @@ class ImpedanceController:
             p.lateral_damping * tip.y_dot + p.lateral_stiffness * (tip.y - arm.tip_y)
         ) / p.lateral_mass
         a_3 = -p.angular_rate * (
-            2.0 * tip.angle_dot + p.angular_rate * (tip.angle - arm.tip_angle)
-        )
+            2.0 * tip.angle_dot + p.angular_rate * (tip.angle - arm.tip_angle))
         (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, arm.lengths
         c1, s1, c2, s2, c3, s3 = cos(a1), sin(a1), cos(a2), sin(a2), cos(a3), sin(a3)
         # x'' = -sum l (s a'' + c w^2), y'' = sum l (c a'' - s w^2)
@@ -314,6 +299,4 @@ class ImpedanceController:
         bend = sin(a1 - a2)  # zero for a stretched arm
         return (
             (right_x * c2 - right_y * s2) / (l1 * bend),
-            (right_y * s1 - right_x * c1) / (l2 * bend),
-            a_3,
-        )
+            (right_y * s1 - right_x * c1) / (l2 * bend), a_3)

@@ -32,12 +32,6 @@ class WallState(NamedTuple):
     friction: float
 
 
-def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
-    """Compute F_c + (F_s - F_c) exp(-(v / v_s)^2) of the bearings [N], the Stribeck curve."""
-    more = wall.static_friction - wall.sliding_friction
-    return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
-
-
 def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
     """Compute w' of the untouched wall [m/s] from 0 = K_e w + B_e w' + F_c z."""
     friction = wall.sliding_friction * state.friction
@@ -45,12 +39,9 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
 
 
 def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
-    """
-    Compute the state after a change `step` of the deflection [m].
-
-    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
-    friction depends on the travelled distance only and approaches its limit over s.
-    """
+    """Compute the state after a change `step` of the deflection [m]."""
+    # Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    # friction depends on the travelled distance only and approaches its limit over s.
     if step == 0.0:
         return state
     end = 1.0 if step > 0.0 else -1.0
@@ -60,8 +51,10 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
 
 def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
     """Compute K_e w + B_e w' + F(w') z of a tool at a rate [m/s]; < 0: it retreats faster [N]."""
-    friction = friction_limit(rate, wall) * state.friction
-    return wall.stiffness * state.deflection + wall.damping * rate + friction
+    # Stribeck's curve: F = F_c + (F_s - F_c) exp(-(v / v_s)^2)
+    more = wall.static_friction - wall.sliding_friction
+    limit = wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
+    return wall.stiffness * state.deflection + wall.damping * rate + limit * state.friction
 
 
 _CLOSED = 1e-12  # gap between tool and wall that counts as contact [m]
@@ -219,11 +212,9 @@ def run_testbed(
     """Run in closed loop; the reference of sample k is followed from sample k + 1 on."""
     period = 1.0 / TESTBED.sample_rate
     period_ns = round(1e9 * period)
-    begin = experiment.desired(0.0)
-    world = TestbedWorld(TESTBED, TRACKING_TARGET, begin.position)
-    sensors = make_sensors(TESTBED, seed)
-    reference = Reference(begin.position, 0.0, 0.0, 0.0)
-    run = ClosedLoopRun([], [])
+    begin = experiment.desired(0.0).position
+    world, sensors = TestbedWorld(TESTBED, TRACKING_TARGET, begin), make_sensors(TESTBED, seed)
+    reference, run = Reference(begin, 0.0, 0.0, 0.0), ClosedLoopRun([], [])
     for k in range(round(experiment.duration * TESTBED.sample_rate)):
         truth = world.truth()
         measured, deflection, _ = sensors.measure(truth)
@@ -277,21 +268,16 @@ def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
     The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale follows from
     K_t, which the controller realises exactly: at rest neither inertia nor damping acts.
     """
-    recording = _free_step(target, seed)
+    def step(t: float) -> Reference:
+        return Reference(_START + (FREE_STEP if t >= _STEP_AT_S else 0.0), 0.0, 0.0, 0.0)
+
+    recording = record_testbed(target, step, _START, _RUN_S, RawAcquisition(), seed)
     contact = recording.contact
     # The tip position replaces the force, in mm: with M = 1, B = K = 0 eqs. (17) and (18) give
     # w_n^2 and 2 zeta w_n.
     moved = ContactRecording(
         contact.stamp_ns, contact.position, contact.velocity,
-        -1e3 * np.asarray(recording.tip - recording.tip[0]),
-    )
+        -1e3 * np.asarray(recording.tip - recording.tip[0]))
     fit = SignalProcessingRefined(_UNIT).estimate(moved)
     mass = target.stiffness / fit.stiffness
     return TargetImpedance(float(mass), float(mass * fit.damping), target.stiffness)
-
-
-def _free_step(target: TargetImpedance, seed: int) -> ArmRecording:
-    def step(t: float) -> Reference:
-        return Reference(_START + (FREE_STEP if t >= _STEP_AT_S else 0.0), 0.0, 0.0, 0.0)
-
-    return record_testbed(target, step, _START, _RUN_S, RawAcquisition(), seed)

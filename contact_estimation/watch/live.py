@@ -3,6 +3,8 @@
 
 """From raw messages of a running estimator to a log for the view; independent of ROS."""
 
+from contextlib import suppress
+from functools import partial
 from math import isfinite, nan
 import re
 from typing import Any, Callable, Mapping, NamedTuple, Protocol
@@ -19,7 +21,6 @@ from ..recordings.decoding import (
     ForceTorqueDecoder, JointsDecoder, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder,
     WrenchDecoder)
 from ..signals.joint_merging import JointMerger
-
 
 INFO, WARNING = 'INFO', 'WARN'
 STATUS, CHECKS = 'log/status', 'log/checks'
@@ -90,40 +91,32 @@ class Reading(NamedTuple):
 
 
 class Readings(Protocol):
-    """The contact axis in raw messages."""
+    """The contact axis in raw messages; those that cannot be used raise a `MessageError`."""
 
     def force(self, raw: bytes) -> Reading | None:
-        """Return F_e of a wrench; None where it cannot be used."""
+        """Return F_e of a wrench; None until all joints are known."""
 
     def position(self, raw: bytes) -> Reading | None:
-        """Return x of a joint state; None where it cannot be used."""
+        """Return x of a joint state; None until all joints are known."""
 
 
-class AxisReadings:
+class AxisReadings(Readings):
     """A single prismatic axis."""
 
     def __init__(self, parameters: EstimationParameters) -> None:
         self._wrench, self._joints = WrenchDecoder(), JointStateDecoder(parameters.joint)
         self._component, self._sign = FORCE_OF_AXIS[parameters.axis], parameters.force_sign
 
-    def force(self, raw: bytes) -> Reading | None:
-        """Return F_e of a wrench; None where it cannot be used."""
-        try:
-            wrench = self._wrench.decode(raw)
-        except MessageError:
-            return None
+    def force(self, raw: bytes) -> Reading:
+        wrench = self._wrench.decode(raw)
         return Reading(wrench.stamp_ns, self._sign * self._component(wrench))
 
-    def position(self, raw: bytes) -> Reading | None:
-        """Return x of a joint state; None where it cannot be used."""
-        try:
-            joint = self._joints.decode(raw)
-        except MessageError:
-            return None
+    def position(self, raw: bytes) -> Reading:
+        joint = self._joints.decode(raw)
         return Reading(joint.stamp_ns, joint.position)
 
 
-class ArmReadings:
+class ArmReadings(Readings):
     """The normal of an arm, by the kinematics that the estimator uses."""
 
     def __init__(self, kinematics: ContactKinematics) -> None:
@@ -135,11 +128,7 @@ class ArmReadings:
         self._motion: tuple[float, ...] = ()
 
     def force(self, raw: bytes) -> Reading | None:
-        """Return F_e of a wrench at the last joints; None where it cannot be used."""
-        try:
-            stamp_ns, wrench = self._wrench.decode(raw)
-        except MessageError:
-            return None
+        stamp_ns, wrench = self._wrench.decode(raw)
         if not self._motion:
             return None
         if not self._kinematics.sensor:
@@ -148,11 +137,7 @@ class ArmReadings:
         return Reading(stamp_ns, self._kinematics.contact(sample).force)
 
     def position(self, raw: bytes) -> Reading | None:
-        """Return x of a joint state; None until all joints are known."""
-        try:
-            row = self._merger.add(*self._joints.decode(raw))
-        except MessageError:
-            return None
+        row = self._merger.add(*self._joints.decode(raw))
         if row is None:
             return None
         self._motion = tuple(row[1])
@@ -166,8 +151,7 @@ def readings_of(parameters: EstimationParameters, description: str = '') -> Read
     if parameters.pose_source == 'tf':
         raise ParameterRangeError(
             'the live view reads the motion of an arm from its joint states, but pose_source is '
-            'tf; watch a recording of it (watch RECORDING), or set pose_source to joints'
-        )
+            'tf; watch a recording of it (watch RECORDING), or set pose_source to joints')
     text = description or described_in_file(parameters)
     return ArmReadings(kinematics_of(parameters, text)) if text else None
 
@@ -209,72 +193,60 @@ class LiveContact:
         needed = [
             Subscription('wrench', WRENCH, self._on_wrench),
             Subscription('joint_states', JOINTS, self._on_joints),
-            Subscription('desired_trajectory', TRAJECTORY, self._on_desired),
-            Subscription('reference_trajectory', TRAJECTORY, self._on_reference),
-            Subscription(f'{own}/stiffness', VECTOR, self._on_estimate('stiffness')),
-            Subscription(f'{own}/damping', VECTOR, self._on_estimate('damping')),
+            Subscription('desired_trajectory', TRAJECTORY,
+                         partial(self._on_setpoint, 'motion/desired', '')),
+            Subscription('reference_trajectory', TRAJECTORY,
+                         partial(self._on_setpoint, 'motion/reference', 'force/desired')),
+            Subscription(f'{own}/stiffness', VECTOR, partial(self._on_estimate, 'stiffness')),
+            Subscription(f'{own}/damping', VECTOR, partial(self._on_estimate, 'damping')),
             Subscription('/diagnostics', DIAGNOSTICS_TYPE, self._on_diagnostics),
             Subscription(f'{own}/status', TEXT, self._on_status, latched=True),
-            Subscription(f'{own}/events', TEXT, self._on_event, latched=True),
-        ]
+            Subscription(f'{own}/events', TEXT, self._on_event, latched=True)]
         if self._sparing:
             return needed
         return [
             *needed,
-            Subscription(f'{own}/stiffness_std', VECTOR, self._on_std('stiffness')),
-            Subscription(f'{own}/damping_std', VECTOR, self._on_std('damping')),
-            Subscription(f'{own}/model_fit', FLOAT, self._on_fit),
-        ]
+            Subscription(f'{own}/stiffness_std', VECTOR, partial(self._on_std, 'stiffness')),
+            Subscription(f'{own}/damping_std', VECTOR, partial(self._on_std, 'damping')),
+            Subscription(f'{own}/model_fit', FLOAT, self._on_fit)]
 
     # -- topics -----------------------------------------------------------------------------
 
     def _on_wrench(self, raw: bytes) -> None:
-        reading = self._readings.force(raw) if self._readings else None
-        if reading is not None:
-            self._stamp_ns = max(self._stamp_ns, reading.stamp_ns)
-            self._log.add('force/measured', reading.stamp_ns, -reading.value)
-            if self._waiting:
-                self._log.add_status(self._stamp_ns, self._waiting)
-                self._waiting = ''
+        with suppress(MessageError):
+            reading = self._readings.force(raw) if self._readings else None
+            if reading is not None:
+                self._stamp_ns = max(self._stamp_ns, reading.stamp_ns)
+                self._log.add('force/measured', reading.stamp_ns, -reading.value)
+                if self._waiting:
+                    self._log.add_status(self._stamp_ns, self._waiting)
+                    self._waiting = ''
 
     def _on_joints(self, raw: bytes) -> None:
-        reading = self._readings.position(raw) if self._readings else None
-        if reading is not None:
-            self._log.add('motion/measured', reading.stamp_ns, 1e3 * reading.value)
+        with suppress(MessageError):
+            reading = self._readings.position(raw) if self._readings else None
+            if reading is not None:
+                self._log.add('motion/measured', reading.stamp_ns, 1e3 * reading.value)
 
-    def _on_desired(self, raw: bytes) -> None:
-        self._add_setpoint('motion/desired', raw)
-
-    def _on_reference(self, raw: bytes) -> None:
-        self._add_setpoint('motion/reference', raw, 'force/desired')
-
-    def _add_setpoint(self, path: str, raw: bytes, force_path: str = '') -> None:
-        try:
+    def _on_setpoint(self, path: str, force_path: str, raw: bytes) -> None:
+        with suppress(MessageError):
             stamp_ns, x, _, _, force = self._trajectories.decode(raw)
-        except MessageError:
+            self._log.add(path, stamp_ns, 1e3 * x)
+            if force_path:
+                self._log.add(force_path, stamp_ns, force)
+
+    def _on_estimate(self, key: str, raw: bytes) -> None:
+        stamp_ns, value = self._component(raw)
+        if self._sparing:
+            self._log.add_estimate(key, stamp_ns, value, self._stds.get(key, nan))
             return
-        self._log.add(path, stamp_ns, 1e3 * x)
-        if force_path:
-            self._log.add(force_path, stamp_ns, force)
+        self._add_last(key)  # its deviation was dropped
+        self._last[key] = Reading(stamp_ns, value)
 
-    def _on_estimate(self, key: str) -> Callable[[bytes], None]:
-        def on_estimate(raw: bytes) -> None:
-            stamp_ns, value = self._component(raw)
-            if self._sparing:
-                self._log.add_estimate(key, stamp_ns, value, self._stds.get(key, nan))
-                return
-            self._add_last(key)  # its deviation was dropped
-            self._last[key] = Reading(stamp_ns, value)
-
-        return on_estimate
-
-    def _on_std(self, key: str) -> Callable[[bytes], None]:
-        def on_std(raw: bytes) -> None:
-            stamp_ns, std = self._component(raw)
-            if stamp_ns == self._last[key].stamp_ns:
-                self._add_last(key, std)
-
-        return on_std
+    def _on_std(self, key: str, raw: bytes) -> None:
+        stamp_ns, std = self._component(raw)
+        if stamp_ns == self._last[key].stamp_ns:
+            self._add_last(key, std)
 
     def _add_last(self, key: str, std: float = nan) -> None:
         """Add the last estimate, once."""

@@ -19,9 +19,8 @@ from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.mcap_file import GrowingRecording
-from ..recordings.recorded_signals import RecordedSignals, Signal
+from ..recordings.recorded_signals import Signal
 from ..recordings.source import RecordingSource
-
 
 _BAND = '#8cc8e0'  # bounds of an estimate, on a light and on a dark ground
 
@@ -114,21 +113,17 @@ def blueprint(follow_s: float | None = None) -> Any:
             *plots,
             rrb.Horizontal(_text_view(rrb, STATUS, 'status of the estimator'),
                            _text_view(rrb, CHECKS, 'checks'), column_shares=[1.0, 2.0]),
-            row_shares=[*(_SHARES.get(plot, 1.0) for plot in PLOTS), 1.0],
-        ),
+            row_shares=[*(_SHARES.get(plot, 1.0) for plot in PLOTS), 1.0]),
         rrb.BlueprintPanel(state='collapsed'),
         rrb.SelectionPanel(state='collapsed'),
         rrb.TimePanel(state='collapsed'),
-        auto_layout=False, auto_views=False,
-    )
+        auto_layout=False, auto_views=False)
 
 
 def _plot_view(rrb: Any, plot: str, follow_s: float | None) -> Any:
-    options: dict[str, Any] = {}
-    if follow_s is not None:
-        options['time_ranges'] = rrb.VisibleTimeRange(
-            TIMELINE, start=rrb.TimeRangeBoundary.cursor_relative(seconds=-follow_s),
-            end=rrb.TimeRangeBoundary.cursor_relative())
+    options = {} if follow_s is None else {'time_ranges': rrb.VisibleTimeRange(
+        TIMELINE, start=rrb.TimeRangeBoundary.cursor_relative(seconds=-follow_s),
+        end=rrb.TimeRangeBoundary.cursor_relative())}
     return rrb.TimeSeriesView(
         origin=f'/{plot}', name=PLOTS[plot][0], plot_legend=rrb.Corner2D.LeftTop, **options)
 
@@ -148,7 +143,11 @@ def show_recording(
     """Send signals, estimates, status and checks of a recording."""
     parameters = replay.session.parameters
     signals = read_contact_signals(reader, source, parameters, parameters.axis, parameters.joint)
-    _send_signals(view.log, signals)
+    _send(view.log, 'force/measured', signals.wrench, 0, -1.0)
+    _send(view.log, 'motion/measured', signals.joint_states, 0, 1e3)
+    if len(signals.reference_trajectory):
+        _send(view.log, 'motion/reference', signals.reference_trajectory, 0, 1e3)
+        _send(view.log, 'force/desired', signals.reference_trajectory, 3, 1.0)
     view.flush()
     step, samples = 1 + len(signals.wrench) // _MOST, 0
     for estimates in filter(None, replay.estimates()):
@@ -160,15 +159,6 @@ def show_recording(
         view.flush()
         progress(reader.progress, f'{samples} samples')
     return samples
-
-
-def _send_signals(log: ContactLog, signals: RecordedSignals) -> None:
-    reference = signals.reference_trajectory
-    _send(log, 'force/measured', signals.wrench, 0, -1.0)
-    _send(log, 'motion/measured', signals.joint_states, 0, 1e3)
-    if len(reference):
-        _send(log, 'motion/reference', reference, 0, 1e3)
-        _send(log, 'force/desired', reference, 3, 1.0)
 
 
 def _send(log: ContactLog, path: str, signal: Signal, row: int, scale: float) -> None:
@@ -212,9 +202,10 @@ def show(view: ContactView, target: str, follow_s: float | None = None) -> str:
     """Connect a view to where it is shown."""
     layout = blueprint(follow_s)
     if target == WINDOW and has_display():
-        rerun = require_rerun()
-        rerun.spawn(recording=view.stream, default_blueprint=layout, memory_limit=_MEMORY,
-                    executable_path=_executable(), hide_welcome_screen=True)
+        viewer = Path(sys.executable).with_name('rerun')  # which need not be on PATH
+        require_rerun().spawn(
+            recording=view.stream, default_blueprint=layout, memory_limit=_MEMORY,
+            executable_path=str(viewer) if viewer.exists() else None, hide_welcome_screen=True)
         text = 'opened the viewer'
     elif target in (WINDOW, WEB):
         text = serve(view, layout)
@@ -241,9 +232,3 @@ def serve(view: ContactView, layout: Any) -> str:
     require_rerun().serve_web_viewer(open_browser=False, connect_to=address)
     page = f'http://localhost:9090/?url={address.replace(":", "%3A").replace("/", "%2F")}'
     return f'serving {page.replace("+", "%2B")}'
-
-
-def _executable() -> str | None:
-    """Return the viewer beside this Python, which need not be on PATH."""
-    path = Path(sys.executable).with_name('rerun')
-    return str(path) if path.exists() else None

@@ -97,8 +97,7 @@ class ArmRecording:
     def stretches(self) -> list[Any]:
         """Return the rows of each stretch without a gap."""
         steps = np.diff(self.t)
-        return np.split(np.arange(len(self.t)),
-                        np.flatnonzero(steps > GAP * np.median(steps)) + 1)
+        return np.split(np.arange(len(self.t)), np.flatnonzero(steps > GAP * np.median(steps)) + 1)
 
     @property
     def has_velocity(self) -> Flags:

@@ -132,8 +132,7 @@ class Channels:
     """
 
     def __init__(
-        self, recordings: Sequence[ArmRecording], arm: ArmDynamics,
-        like: 'Channels | None' = None,
+        self, recordings: Sequence[ArmRecording], arm: ArmDynamics, like: 'Channels | None' = None
     ) -> None:
         self.arm, self.names = arm, [one.name for one in recordings]
         known = np.all([one.has_effort & one.moves for one in recordings], axis=0)
@@ -152,8 +151,7 @@ class Channels:
             np.abs(np.concatenate([one.v for one in motions])), 95, axis=0) + 1e-9
         self.middle: Array = like.middle if like else np.concatenate(
             [one.q for one in motions]).mean(axis=0)
-        motions = [replace(one, speed=self.speed, middle=self.middle)
-                   for one in motions]
+        motions = [replace(one, speed=self.speed, middle=self.middle) for one in motions]
         self.motion = motions[0]
         self.terms: list[Term] = like.terms if like else self._terms(len(recordings))
         self.pieces = [self._piece(stretch, motion) for stretch, motion in zip(raw, motions)]
@@ -226,8 +224,7 @@ class Channels:
         every = [(here, j) for here, columns in known.items() for j in columns]
         for j in self.measured:
             mine = [here for here, k in every if k == j]
-            stacked = filtered(np.concatenate(
-                [known[here][j] for here in mine], axis=1))
+            stacked = filtered(np.concatenate([known[here][j] for here in mine], axis=1))
             ends = np.cumsum([known[here][j].shape[1] for here in mine])[:-1]
             for here, column in zip(mine, np.split(stacked, ends, axis=1)):
                 known[here][j] = column

@@ -4,7 +4,7 @@
 """Checks of recordings of an arm for wrong use, made before any physics is named."""
 
 from copy import copy
-from itertools import combinations
+from itertools import chain, combinations
 from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
@@ -75,8 +75,7 @@ def check_efforts(recordings: Sequence[ArmRecording], arm: ArmDynamics) -> list[
             not (effort & moves).any()),
         Check('velocity', True, (
             f'{", ".join(slow)} publish no velocity: ' if slow else '')
-            + 'velocities are derived from positions'),
-    ]
+            + 'velocities are derived from positions')]
 
 
 def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> Check:
@@ -123,11 +122,8 @@ class Reading:
         return other
 
     def fit(self, tau: Array, k: int, load: Array, free: bool = False) -> tuple[float, float]:
-        """
-        Return the log share of a torque that joint k leaves, and the gain of a load if it is free.
-
-        Friction never drives; a spring may be any.
-        """
+        """Return the log share of a torque that joint k leaves, and the gain of a `free` load."""
+        # Friction never drives; a spring may be any.
         q, v = self.q[:, k], self.v[:, k]
         other = [np.ones(len(q)), np.sin(q), np.cos(q)]
         X = np.stack([np.tanh(v / (0.05 * self.channels.speed[k])), v, self.a[:, k],
@@ -158,12 +154,6 @@ class Misreading(NamedTuple):
     text: str
     errors: Array  # log errors of all joints if it is so
     price: float = _EXCHANGED  # of one of dozens that are tried [nat]
-
-
-def _misreadings(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return what may be wrong with a recording that leaves the errors `right`."""
-    for tried in (_flipped, _disordered, _exchanged, _mirrored, _lacking, _units):
-        yield from tried(reading, right)
 
 
 def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
@@ -272,7 +262,8 @@ def check_reading(reading: Reading) -> list[Check]:
     right = some.errors()
     best, found = float(right.sum()), None
     if (right >= np.log(_IN_ORDER)).any():
-        for one in _misreadings(some, right):
+        for one in chain.from_iterable(tried(some, right) for tried in (
+                _flipped, _disordered, _exchanged, _mirrored, _lacking, _units)):
             if one.errors.sum() + one.price < best:
                 best, found = float(one.errors.sum()) + one.price, one
     if found is not None:

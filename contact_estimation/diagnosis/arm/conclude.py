@@ -58,7 +58,9 @@ def diagnose_arm(
     fitted, tested = ([named_as(one, arm) for one in every] for every in (fitted, held_out))
     arm = ArmDynamics(urdf, joints_of(fitted[0], arm))
     fitted, tested = ([_with_joints(one, arm) for one in every] for every in (fitted, tested))
-    checks = _checks(fitted, tested, arm)
+    checks = [check_description(arm), *(check_units(one, arm) for one in fitted),
+              *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
+              *check_efforts(fitted, arm)]
     if not all(one.ok for one in checks if one.name == 'wrench_frame'):
         fitted, tested = ([replace(one, wrench=None) for one in every]
                           for every in (fitted, tested))
@@ -80,15 +82,6 @@ def diagnose_arm(
                       list(simulated.model) if simulated else [])
 
 
-def _checks(
-    fitted: Sequence[ArmRecording], tested: Sequence[ArmRecording], arm: ArmDynamics
-) -> list[Check]:
-    """Make the checks that need no dynamics."""
-    return [check_description(arm), *(check_units(one, arm) for one in fitted),
-            *(check_wrench(one, arm) for one in (*fitted, *tested) if one.wrench),
-            *check_efforts(fitted, arm)]
-
-
 def _with_joints(recording: ArmRecording, arm: ArmDynamics) -> ArmRecording:
     """Return a recording with the joints of an arm in its order."""
     missing = [name for name in arm.joints if name not in recording.joints]
@@ -107,7 +100,10 @@ def _concluded(
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
     effects += [described(names, term, None) for term in _zeros(names)]
-    effects = [one for one in effects if not _is_known(one.term, known)]
+    # A simulator may have a law of the same kind at the same place, or a richer one.
+    effects = [one for one in effects if not any(
+        group_of(one.term)[:2] == group_of(other)[:2] and JOINT_EFFECTS[one.term.effect].laws
+        <= JOINT_EFFECTS[other.effect].laws for other in known)]
     # Every joint has friction: it comes last, and where it is large for its joint first of all.
     effects.sort(key=lambda one: (0.0, -one.gain) if one.family != 'friction' or one.term.effect
                  == 'coupled_friction' else (1.0, -names.of_range(one.term)))
@@ -120,12 +116,6 @@ def _concluded(
         apparent_mass=_apparent_mass(channels))
     return replace(diagnosis, holdouts=[_held_out(diagnosis, one) for one in tested],
                    next_experiment=_next(effects))
-
-
-def _is_known(term: Term, known: Sequence[Term]) -> bool:
-    """Return whether a simulator has a law of the same kind at the same place, or a richer one."""
-    return any(group_of(term)[:2] == group_of(one)[:2] and JOINT_EFFECTS[term.effect].laws
-               <= JOINT_EFFECTS[one.effect].laws for one in known)
 
 
 def _apparent_mass(channels: Channels) -> tuple[float, float, float] | None:

@@ -21,10 +21,9 @@ COMPLIANCE = 'a compliance of joints, tool or mount in series with the wall'
 
 
 def diagnose_contact(
-    paths: Sequence[str | PathLike[str]], urdf_file: str | PathLike[str],
-    nominal: PlantParameters, *, held_out: Sequence[str | PathLike[str]] = (),
-    topics: Mapping[str, str] | None = None, parameters: Mapping[str, Any] | None = None,
-    arm: ArmDiagnosis | None = None, seed: int = 0,
+    paths: Sequence[str | PathLike[str]], urdf_file: str | PathLike[str], nominal: PlantParameters,
+    *, held_out: Sequence[str | PathLike[str]] = (), topics: Mapping[str, str] | None = None,
+    parameters: Mapping[str, Any] | None = None, arm: ArmDiagnosis | None = None, seed: int = 0,
     progress: Callable[[str], None] = lambda text: None, **reading: Any,
 ) -> Diagnosis:
     """
@@ -52,8 +51,7 @@ def diagnose_contact(
             if 'compliance' in one.parameters} if arm else {}
 
     def read(path: str | PathLike[str]) -> Recording:
-        one = without_reference(read_recording(
-            path, topics=topics, parameters=chosen, **reading))
+        one = without_reference(read_recording(path, topics=topics, parameters=chosen, **reading))
         if not soft:
             return one
         assert arm is not None and arm.channels is not None

@@ -59,16 +59,11 @@ def joint_values(d: ArmDiagnosis) -> dict[str, dict[str, float]]:
 
 
 def link_parameters(d: ArmDiagnosis) -> Array:
-    """
-    Return the ten parameters of each link, corrected, shape (n, 10).
-
-    A link that no body can have with its calibration keeps its own: the torques tell sums of
-    links, and not each.
-    """
+    """Return the ten parameters of each link, corrected, shape (n, 10)."""
     assert d.channels is not None and d.fitted is not None
-    arm = d.channels.arm
-    nominal = arm.neutral.reshape(-1, PER_LINK)
+    nominal = d.channels.arm.neutral.reshape(-1, PER_LINK)
     calibrated = nominal + d.fitted.calibration.reshape(-1, PER_LINK)
+    # The torques tell sums of links, and not each: what no body can be keeps its own parameters.
     links = np.where(np.array([*map(is_body, calibrated)])[:, None], calibrated, nominal)
     for one in d.effects:
         if one.family == 'load' and not one.recording:

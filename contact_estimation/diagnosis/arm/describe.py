@@ -118,8 +118,7 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     where = {'joint': (term.place,), 'pair': term.place[:2] if effect.place == 'pair' else ()}.get(
         effect.place, tuple(joints[k] for k in shows))
     evidence = names.compared.evidence
-    share = share_of(
-        evidence, taken(evidence, names.without(term), names.named.model, main), main)
+    share = share_of(evidence, taken(evidence, names.without(term), names.named.model, main), main)
     return ArmEffect(
         effect.name, effect.family, effect.equation, term,
         tuple(arm.joints[j] for j in where),

@@ -13,8 +13,6 @@ over all blocks, or all but one. Laws of one joint are eliminated first (Schur c
 what joints share, 24 directions of their links' inertia above all, costs one small system.
 """
 
-from __future__ import annotations
-
 from itertools import accumulate
 from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 
@@ -277,12 +275,9 @@ class Gram:
                 for term, one in found.items()}
 
     def per_gain(self, model: Iterable[Term], term: Term) -> Array:
-        """
-        Return how coefficients of a law depend on the gain of each joint's torque, (C, K).
-
-        theta is linear in the torques, and a torque that is measured too large by a share g has
-        g (RNEA + y) more than y: what the column of `force_gain` adds, and y itself.
-        """
+        """Return how coefficients of a law depend on the gain of each joint's torque, (C, K)."""
+        # theta is linear in the torques, and a torque that is measured too large by a share g has
+        # g (RNEA + y) more than y: what the column of `force_gain` adds, and y itself.
         model, c_fit, found = list(model), self.c_fit, []
         for k, j in enumerate(self.joints):
             gain = Term('force_gain', j)

@@ -3,8 +3,6 @@
 
 """The laws of one joint of an arm, scored with what joints share as it is."""
 
-from __future__ import annotations
-
 from typing import Iterable, Mapping, TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +24,7 @@ def all_possible(theta: Mapping[Term, Array]) -> bool:
 class JointJudge:
     """The score of the laws of one joint, with the shared coefficients of a model."""
 
-    def __init__(self, space: ArmModels, model: frozenset[Term], k: int) -> None:
+    def __init__(self, space: 'ArmModels', model: frozenset[Term], k: int) -> None:
         self._space, self._k, self._gram = space, k, space.gram
         local, shared = self._gram.split(model)
         self.local = local[k]

@@ -3,8 +3,6 @@
 
 """The models of an arm that are compared: laws at joints, links, and all of it."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import log
 from typing import Callable, Iterable, Sequence
@@ -167,9 +165,7 @@ class ArmModels:
         best = max(scores, key=lambda one: scores[one])
         return frozenset(model - mine | best)
 
-    def _climb(
-        self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]
-    ) -> Model:
+    def _climb(self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]) -> Model:
         """Change a law at a time as long as a joint gains."""
         for _ in range(_STEPS):
             scores = judge.scores([mine, *self.neighbours(mine, every)])

@@ -11,7 +11,7 @@ import numpy as np
 from .arm_recording import Array
 from .result import ArmDiagnosis, ArmEffect
 from ..report.json_report import as_dict as contact_dict, finite
-from ..report.page import environment
+from ..report.page import rendered
 from ..report.text_report import as_text as contact_text
 from ..result import Value
 from ...figures import BLUE, figure_style, GREY, INK, MUTED, new_figure, ORANGE
@@ -152,8 +152,7 @@ def _effect_dict(one: ArmEffect) -> dict[str, Any]:
         'probability': one.probability, 'equation': one.equation, 'share': one.share,
         'share_interval': list(one.share_interval), 'torque_shares': one.torque_shares,
         'evidence_nat': one.gain,
-        'parameters': {name: {'value': value.value, 'std': value.std, 'unit': value.unit}
-                       for name, value in one.parameters.items()},
+        'parameters': {name: vars(value) for name, value in one.parameters.items()},
         'indistinguishable_from': one.indistinguishable_from,
         'location': {'intervals_s': [list(pair) for pair in one.intervals_s],
                      'region': one.region},
@@ -169,16 +168,12 @@ _LACKS_MOST = 0.5  # of a torque, which has the darkest colour
 
 def as_html(d: ArmDiagnosis, title: str) -> str:
     """Build the page."""
-    verdict = 'recording refused' if d.refused else d.verdict.replace('_', ' ')
-    template = environment('contact_estimation.diagnosis.report').get_template('arm.html')
-    shown = d.joints and d.channels is not None
-    return template.render(
-        d=d, title=title, verdict=verdict, headline=headline(d), value_text=value_text,
-        contact=d.contact and contact_text(d.contact),
-        failed=[one for one in d.checks if not one.ok],
-        passed=[one for one in d.checks if one.ok],
-        arm=plot_arm(d) if shown else None, joints=plot_joints(d) if shown else None,
-        torques=plot_torques(d) if shown else None)
+    arm, joints, torques = (plot(d) if d.joints and d.channels is not None else None
+                            for plot in (plot_arm, plot_joints, plot_torques))
+    return rendered(
+        'arm.html', d, title=title, headline=headline(d), value_text=value_text,
+        contact=d.contact and contact_text(d.contact), arm=arm, joints=joints, torques=torques,
+        tested=[f'in {one.name} [%]' for one in d.holdouts])
 
 
 @figure_style()

@@ -3,8 +3,6 @@
 
 """Checks for wrong use, made before any physics is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Mapping, NamedTuple, Sequence
 
@@ -91,8 +89,8 @@ def examine(
     several = len(recordings) > 1
     alone = (len(recordings) if fitted is None else fitted) == 1
     found = [check(recording, model, alone) for recording in recordings]
-    named = [[_named(one, recording.name) if several else one for one in checks]
-             for checks, recording in found]
+    named = [[replace(one, text=f'{recording.name}: {one.text}') if several and not one.ok else one
+              for one in checks] for checks, recording in found]
     checks = [_worst(alike) for alike in zip(*named)]
     return Examined(checks, [recording for _, recording in found])
 
@@ -132,7 +130,3 @@ def _worst(alike: Sequence[Check]) -> Check:
     return Check(failed[0].name, False, '; '.join(one.text for one in failed),
                  any(one.fatal for one in failed),
                  frozenset().union(*(one.could_cause for one in failed)))
-
-
-def _named(one: Check, recording: str) -> Check:
-    return one if one.ok else replace(one, text=f'{recording}: {one.text}')

@@ -3,20 +3,16 @@
 
 """What a check is, what it measures of a recording, and the few numbers by which it judges."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any, Callable, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..observe.shares import MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ...physics import EFFECTS
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,6 @@
 
 """Quantities of a recording from which the checks decide, each computed once."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from math import sqrt
 
@@ -17,12 +15,10 @@ from ..observe.parts import continuous_parts
 from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import LEAST_SAMPLES, Recording, Signals
 from ..observe.smoothing import pace_of, white_noise_std
+from ...physics.numeric import Array, Flags
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 from ...signals.stream_faults import CLEAR
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Of the range of the smoothed force. On 60 simulated contacts its onset is then where the wall is
 # within 2 % of the depth (median); at a fiftieth or a tenth of the range it is off by 4 or 8 %.
@@ -111,8 +107,7 @@ class Evidence:
     def wall_force(self) -> Array:
         """Magnitude of the nominal wall's force at the measured motion, shape (N,) [N]."""
         wall, s = self.model.environment, self.smooth
-        force = (wall.stiffness * (s.x - wall.location) + wall.damping * s.v
-                 + wall.inertia * s.a)
+        force = (wall.stiffness * (s.x - wall.location) + wall.damping * s.v + wall.inertia * s.a)
         if not wall.unilateral:
             return np.asarray(force)
         return np.where(s.x > wall.location, np.maximum(force, 0.0), 0.0)
@@ -184,12 +179,9 @@ class Evidence:
 
     @cached_property
     def sides_beyond_zero(self) -> tuple[float, float]:
-        """
-        Return the same without the zero of the sensor.
-
-        It is that of the lowest positions if the force is level there, as in free flight, and not
-        at the highest.
-        """
+        """Return the same without the zero of the sensor."""
+        # It is that of the lowest positions if the force is level there, as in free flight, and
+        # not at the highest.
         low, high = self._at_ends
         if np.std(low) < LITTLE * np.std(high):
             return 0.0, self.sides[1] - self.sides[0]
@@ -261,12 +253,9 @@ class Evidence:
                    float(np.max(np.abs(unshifted))))
 
     def peaks_apart(self, longest: float) -> float:
-        """
-        Return by how much the force peaks after the deepest contact [s].
-
-        From where the one is first near its peak to where the other is; the peak of the force is
-        sought so long [s] around the contact.
-        """
+        """Return by how much the force peaks after the deepest contact [s]."""
+        # From where the one is first near its peak to where the other is; the peak of the force is
+        # sought so long [s] around the contact.
         one = self._longest
         force, x, deepest = -one.smooth.force, one.smooth.x, int(np.argmax(one.smooth.x))
         away = np.flatnonzero(one.wall_force <= 0.0)

@@ -3,8 +3,6 @@
 
 """Checks of the experiment: contact, wall, motion and command."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import sqrt
 from typing import Sequence
@@ -79,12 +77,9 @@ def _of_touch(evidence: Evidence) -> Finding:
 
 
 def wall_location(evidence: Evidence) -> Finding:
-    """
-    Find contacts that do not begin at the wall of the model.
-
-    A late contact may be a clearance, unless the tool is never before the wall in free flight.
-    Without a reference it is left to the diagnosis.
-    """
+    """Find contacts that do not begin at the wall of the model."""
+    # A late contact may be a clearance, unless the tool is never before the wall in free flight.
+    # Without a reference it is left to the diagnosis.
     wall, onset = evidence.model.environment, evidence.onset
     if not wall.unilateral or onset is None:
         return Finding(True, f'environment.location is {wall.location:g} m')
@@ -102,11 +97,8 @@ def wall_location(evidence: Evidence) -> Finding:
 
 
 def with_places(checks: Sequence[Check], places: Sequence[float]) -> list[Check]:
-    """
-    Replace the result of `wall_location` by where the surface of each contact is [m].
-
-    Nothing is refused, since each contact is moved to the surface of the model.
-    """
+    """Replace the result of `wall_location` by where the surface of each contact is [m]."""
+    # Nothing is refused, since each contact is moved to the surface of the model.
     listed = ', '.join(f'{place:.4g}' for place in places[:LISTED])
     listed += ' ...' if len(places) > LISTED else ''
     text = (f'the surface is at x = {listed} m in {len(places)} contacts, expected at one place: '

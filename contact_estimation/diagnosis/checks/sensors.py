@@ -3,8 +3,6 @@
 
 """Checks of the sensors: sources, jumps, steps of the zero, limits and resolution."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np
@@ -16,10 +14,8 @@ from .evidence import Evidence
 from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ..observe.smoothing import quantisation_step
-from ...physics.numeric import stretches
+from ...physics.numeric import Array, stretches
 from ...signals.stream_faults import courses_of, TARE_DUE, zero_steps as steps_of
-
-Array = NDArray[np.float64]
 
 _RUN = 5  # samples: their median ignores two that jump; noise does not repeat a value so often
 

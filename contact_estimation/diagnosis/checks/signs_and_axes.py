@@ -3,8 +3,6 @@
 
 """Checks of signs and axes: force and position that point elsewhere."""
 
-from __future__ import annotations
-
 from math import log
 from typing import Mapping
 
@@ -18,15 +16,13 @@ from ...signals.stream_faults import CLEAR
 
 
 def force_sign(evidence: Evidence) -> Finding:
-    """
-    Find a force that does not oppose the motion.
-
-    A wall pushes back where x is largest; a permanently attached specimen takes up energy.
-    """
+    """Find a force that does not oppose the motion."""
+    # A wall pushes back where x is largest; a permanently attached specimen takes up energy.
     if not evidence.model.environment.unilateral:
         return _of_specimen(evidence)
     low, high = evidence.sides_beyond_zero
-    if evidence.with_reference and _is_other_axis(evidence):
+    if evidence.with_reference and max(  # it may be that of another axis
+            abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH:
         return Finding(True, 'the force is too small to have a sign')
     far, near = sorted((low, high), key=abs, reverse=True)
     if far < evidence.clear_force or not _is_at_one_end(far, near):
@@ -34,10 +30,6 @@ def force_sign(evidence: Evidence) -> Finding:
                              'pressing')
     return Finding(False, f'F_e is {far:.3g} N while pressing, expected < 0: the force of the '
                           'environment on the end-effector; change the sign of the recorded force')
-
-
-def _is_other_axis(evidence: Evidence) -> bool:
-    return max(abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH
 
 
 def _is_at_one_end(far: float, near: float) -> bool:
@@ -80,13 +72,10 @@ def position_sign(evidence: Evidence) -> Finding:
 
 
 def axis(evidence: Evidence) -> Finding:
-    """
-    Find a force that is not that of the contact axis.
-
-    The motion shows a contact that the force hardly shows. A force that follows no line, but is
-    the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as a
-    dome that buckles.
-    """
+    """Find a force that is not that of the contact axis."""
+    # The motion shows a contact that the force hardly shows. A force that follows no line, but is
+    # the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as
+    # a dome that buckles.
     if not evidence.model.environment.unilateral:
         return Finding(True, f'correlation of force and nominal force '
                              f'{evidence.of_wall.correlation:.2f}')
@@ -112,9 +101,7 @@ def axis(evidence: Evidence) -> Finding:
                           "the wrench's frame and unit and the nominal stiffness")
 
 
-_LENGTHS: Mapping[str, float] = {
-    'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37,
-}
+_LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37}
 """Units of length in a metre."""
 
 _FORCES: Mapping[str, float] = {
@@ -151,12 +138,9 @@ def length_unit(evidence: Evidence) -> Finding:
 
 
 def force_unit(evidence: Evidence) -> Finding:
-    """
-    Find a force that is not in newtons.
-
-    With a robot the force must be wrong by the same factor against the nominal wall and against
-    the nominal robot's equation of motion, which does not know the wall.
-    """
+    """Find a force that is not in newtons."""
+    # With a robot the force must be wrong by the same factor against the nominal wall and against
+    # the nominal robot's equation of motion, which does not know the wall.
     text = f'the force is {evidence.of_wall.slope:.3g} times that of the nominal wall'
     if evidence.with_reference:
         text += f', {evidence.of_robot.slope:.3g} times what the robot felt'
@@ -182,12 +166,9 @@ def _of_magnitude(evidence: Evidence, text: str) -> Finding:
 
 
 def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
-    """
-    Return the unit whose ratio the force has to those of nominal wall and robot.
-
-    A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the second,
-    which what is missing lowers. Without a robot only a factor of a thousand is a unit.
-    """
+    """Return the unit whose ratio the force has to those of nominal wall and robot."""
+    # A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the
+    # second, which what is missing lowers. Without a robot only a factor of a thousand is a unit.
     wall, robot = evidence.of_wall, evidence.of_robot if evidence.with_reference else None
     if robot is None:
         force, expected = evidence.deviations

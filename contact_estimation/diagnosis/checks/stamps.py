@@ -3,8 +3,6 @@
 
 """Checks of stamps: order, bursts, rate, gaps and the clocks of the topics."""
 
-from __future__ import annotations
-
 from math import log, pi, sqrt
 from typing import Sequence
 

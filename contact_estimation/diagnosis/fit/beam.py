@@ -3,8 +3,6 @@
 
 """The search for models: a beam from the nominal model outwards."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, Callable, Mapping, NamedTuple, Protocol, Sequence
 
@@ -12,7 +10,6 @@ import numpy as np
 
 from .constants import Constants
 from .evidence import Evidence, ranked_by, Scored
-
 
 _WIDE, _DEEP = 3, 4  # models that are extended at a time, and how often
 LAWS = 3  # of a model of one contact
@@ -52,8 +49,7 @@ class Compared(NamedTuple):
 
 
 def search(
-    space: Space, progress: Callable[[str], None], known: Compared | None = None,
-    laws: int = LAWS,
+    space: Space, progress: Callable[[str], None], known: Compared | None = None, laws: int = LAWS
 ) -> Compared:
     """Extend the best models as long as the gain that is left could pay for a further law."""
     evidence, models = known or refit(space, [])

@@ -3,8 +3,6 @@
 
 """The constants of the decision, in `constants.json`: fitted by `blind_trials --calibrate`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import NamedTuple

@@ -12,13 +12,10 @@ error of the force. The model uncertainty is that of parameters which are known 
 only, and not to be named as physics.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
@@ -29,8 +26,7 @@ from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals, response_to
 from ..observe.shares import LITTLE
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 UNCERTAINTIES = (
     ('impedance_mismatch', (1.0, 1.0, 1.002), False),
@@ -52,28 +48,24 @@ _WHITE = 0.3  # power of such a mean, in that of residuals that are all of one s
 
 
 def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
-    """
-    Return a recording whose residuals discount the model uncertainty.
-
-    Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a sample,
-    at which the reference steps, and whether the robot holds the desired acceleration between
-    samples or interpolates it.
-    """
+    """Return a recording whose residuals discount the model uncertainty."""
+    # Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a
+    # sample, at which the reference steps, and whether the robot holds the desired acceleration
+    # between samples or interpolates it.
     recording = replace(recording, discount=None)
     if recording.driven_by_force(model):
         return recording
     here = residuals(recording, model, robust=False)
     o = recording.observed
     robot = o.reference is not None
-    columns = [
-        residuals(recording, model.with_effect(name, _scaled(values, o.pace if time else 1.0)),
-                  robust=False) - here
-        for name, values, time in UNCERTAINTIES
-        if name not in model.effects and (robot or name == 'force_delay')
-    ]
+    columns = []
+    for name, values, time in UNCERTAINTIES:
+        if name not in model.effects and (robot or name == 'force_delay'):
+            scaled = tuple(o.pace * value if time else value for value in values)
+            varied = model.with_effect(name, scaled)
+            columns.append(residuals(recording, varied, robust=False) - here)
     if robot:
-        responses = (_held_acceleration(recording, model),
-                     *_steps_of_reference(recording, model))
+        responses = (_held_acceleration(recording, model), *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording
@@ -83,10 +75,6 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
         cable = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
     return replace(recording, discount=Discount.of(np.array(columns).T, cable))
-
-
-def _scaled(values: tuple[float, ...], factor: float) -> tuple[float, ...]:
-    return tuple(factor * value for value in values)
 
 
 def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:
@@ -159,7 +147,9 @@ _CLUSTER_S = 0.5
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """Return the recording with the discrepancy that a fitted model leaves."""
-    plain, unknown = without_discrepancy(recording), 0.0
+    # As if the laws of the library were exact.
+    plain = replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
+    unknown = 0.0
     if plain.driven_by_force(model):
         plain, unknown = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
@@ -184,13 +174,10 @@ def _rms(recording: PreparedRecording, model: Model) -> float:
 
 
 def _unknown_force(plain: PreparedRecording, model: Model) -> float:
-    """
-    Return the size of the unknown force that the innovations of a driven wall show [N].
-
-    Of all filters, the one that predicts best weighs force and position by the ratio of their true
-    noise, and its innovations tell the size of both (Ljung 1999, section 7.4). What the position
-    lacks, which no force explains, is so told from a force.
-    """
+    """Return the size of the unknown force that the innovations of a driven wall show [N]."""
+    # Of all filters, the one that predicts best weighs force and position by the ratio of their
+    # true noise, and its innovations tell the size of both (Ljung 1999, section 7.4). What the
+    # position lacks, which no force explains, is so told from a force.
     def filtered(logarithm: float) -> tuple[float, float]:
         noisier = replace(plain, block=1, force_noise=plain.force_noise * exp(logarithm))
         noisier = noisier.widened(1.0, model)  # not averaged: only white innovations are least
@@ -229,23 +216,15 @@ def force_of_motion(recording: PreparedRecording, model: Model) -> float:
     return model.laws().robot.mass * recording.observed.observer_cutoff**2
 
 
-def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:
-    """Return the recording as if the laws of the library were exact, without a discount."""
-    return replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
-
-
 def weighed(recordings: Recordings, model: Model) -> Recordings:
     """Return recordings with the discrepancy and the discount of a fitted model."""
     return [discounted(with_discrepancy(one, model), model) for one in recordings]
 
 
 def std_beyond_noise(left: Array, channel: Channel) -> float:
-    """
-    Estimate the standard deviation of block means beyond the noise, robust to outliers.
-
-    Where the noise differs from block to block, those count most that tell most (DerSimonian and
-    Laird 1986).
-    """
+    """Estimate the standard deviation of block means beyond the noise, robust to outliers."""
+    # Where the noise differs from block to block, those count most that tell most (DerSimonian and
+    # Laird 1986).
     there = channel.filled
     if not there.any():
         return 0.0
@@ -273,12 +252,9 @@ def correlation_time(left: Array) -> float:
 
 
 def standard_deviations(recordings: Recordings, found: Fit) -> Array:
-    """
-    Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986).
-
-    Residuals may be correlated in any way within half a second and are independent across; the
-    result is never below that for residuals of the correlation time that each channel shows.
-    """
+    """Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986)."""
+    # Residuals may be correlated in any way within half a second and are independent across; the
+    # result is never below that for residuals of the correlation time that each channel shows.
     model = found.model
     function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps

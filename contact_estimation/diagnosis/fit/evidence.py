@@ -20,21 +20,17 @@ Rounding alone, which differs between processors, would then decide which of the
 scores are equal, a prior order of the effects decides.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Protocol, Sequence, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .constants import CONSTANTS, Constants
 from ..observe.model import names_of
 from ..observe.shares import SLIGHT
 from ...physics import EFFECTS
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 ZEROS = ('force_bias', 'contact_offset')
 """Constants of sensor and surface that every rig has to some extent."""
@@ -223,12 +219,9 @@ class Evidence:
         return bool(exact.sum() > inexact.sum())
 
     def weights(self, models: Sequence[Scored], seed: int) -> Array:
-        """
-        Return the posterior weight of each model, shape (M,).
-
-        Averaged over a Bayesian bootstrap of the parts, so that few parts prove little
-        (pseudo-BMA+: Y. Yao, A. Vehtari, D. Simpson and A. Gelman, Bayesian Analysis 13, 2018).
-        """
+        """Return the posterior weight of each model, shape (M,)."""
+        # Averaged over a Bayesian bootstrap of the parts, so that few parts prove little
+        # (pseudo-BMA+: Y. Yao, A. Vehtari, D. Simpson and A. Gelman, Bayesian Analysis 13, 2018).
         both = [self.log_likelihoods(one) for one in models]
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]
@@ -264,9 +257,7 @@ def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
     return np.asarray(beyond.sum(axis=1) if channel is None else beyond[:, channel])
 
 
-def taken(
-    evidence: Evidence, before: Scored, after: Scored, channel: int | None = None
-) -> Array:
+def taken(evidence: Evidence, before: Scored, after: Scored, channel: int | None = None) -> Array:
     """Return the misfit that is left before a law and not after it, shape (P,) [N^2]."""
     return _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
 

@@ -3,21 +3,16 @@
 
 """Jacobian of residuals that is kept up to date by what a search evaluates anyway."""
 
-from __future__ import annotations
-
 from typing import Callable, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
-
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 _STEP = 1e-4  # of forward differences, as a share of the typical change of a value
 # Where the force vanishes at an instant that depends on the value: a smaller step moves the
@@ -147,8 +142,7 @@ class Fit(NamedTuple):
 
 
 def residual_function(
-    recordings: Recordings, model: Model, robust: bool = True,
-    briefly: bool = False,
+    recordings: Recordings, model: Model, robust: bool = True, briefly: bool = False
 ) -> Callable[[Array], Array]:
     """Return the function whose squares are minimised."""
 

@@ -3,14 +3,11 @@
 
 """The free run of a model, from its command or, for a wall without a robot, the force."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import math
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, SLOWLY, sum_of_squares
 from ..observe.driven_wall import DrivenWall
@@ -21,12 +18,10 @@ from ..observe.residuals import huber
 from ..observe.shares import LITTLE, SLIGHT
 from ...parameters import build, flatten
 from ...physics.contact_law import ContactLaw
+from ...physics.numeric import Array
 from ...plant.driven_wall import run_driven_wall
 from ...plant.plant_parameters import PlantParameters
 from ...plant.simulation import simulate_on
-
-
-Array = NDArray[np.float64]
 
 _PICARD = 40  # rounds at most
 _CONVERGED = 1e-4  # of the motion
@@ -96,8 +91,7 @@ def free_run(model: Model, observed: Observed) -> Run:
     if o.reference is None:
         return Run(_free_wall(model, o), o.force)
     parameters = replace(
-        plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h,
-    )
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h)
     v = float(o.v[0]) if o.starts_moving else 0.0
     truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]), v, begin=float(o.t[0]))
     return Run(np.array([truth.position for truth in truths]),

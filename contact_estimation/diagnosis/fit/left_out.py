@@ -3,8 +3,6 @@
 
 """The parts of recordings that are left out in turn: contacts, or blocks of time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, Sequence
@@ -20,9 +18,7 @@ from ..observe.model import Model
 from ..observe.parts import episodes
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, huber
-
-
-Flags = NDArray[np.bool_]
+from ...physics.numeric import Array, Flags
 
 _LEAST_PARTS, _MOST_PARTS = 4, 8
 _EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
@@ -127,8 +123,6 @@ def _between(
         parts.append((name, blocks))
     return parts
 
-
-Array = NDArray[np.float64]
 
 _LOOSE = 3.0  # typical sizes of a value: standard deviation of its prior
 _SUSPICIOUS = 3.0  # times the error as fitted, or a part of it: a step that may not be linear

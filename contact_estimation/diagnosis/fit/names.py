@@ -3,20 +3,16 @@
 
 """The names that a comparison supports."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from math import inf
 from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .beam import Compared
 from .evidence import (
     Evidence, explained, NUISANCES, of_families, ranked_by, Scored, Share, share_of, taken, ZEROS)
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 _LISTED = 3  # effects in the place of one, at most
 
@@ -67,8 +63,7 @@ def likely(compared: Compared, seed: int) -> Named:
     families = of_families(models, weights)
     probable = {family for family, weight in families.items()
                 if weight >= evidence.constants.named}
-    order = ranked_by(
-        range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
+    order = ranked_by(range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
     exactly = [k for k in order if models[k].named == probable]
     with_more = [k for k in order if probable <= models[k].named]
     of_them = [k for k in order if models[k].named <= probable]  # two may tie in one place

@@ -3,15 +3,12 @@
 
 """The magnitudes of motion and forces in recordings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from .evidence import prior, ranked_by
@@ -20,10 +17,9 @@ from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber
 from ...physics import EFFECTS
+from ...physics.numeric import Array, Flags
 from ...physics.prior import Scales, Tone
 
-
-Array = NDArray[np.float64]
 Tones = tuple[Tone, ...]
 
 _LEAST = 1e-30  # in any unit
@@ -54,8 +50,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
         depth, speed, force, control, pull, duration, max(model.stiffness, _LEAST),
         max(model.damping, _LEAST), laws.robot.mass, spectrum,
         min(recording.observed.h for recording in recordings), beat,
-        any(recording.driven_by_force(model) for recording in recordings),
-    )
+        any(recording.driven_by_force(model) for recording in recordings))
 
 
 def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:
@@ -110,8 +105,6 @@ def _beat(t: Array, r: Array, frequencies: Array) -> Tones:
     return tuple((tone, complex(cosine, -sine))
                  for tone, cosine, sine in zip(tones, cosines, sines))
 
-
-Flags = NDArray[np.bool_]
 
 _FARTHEST = 1.0  # typical sizes by which one step may change a value that shapes a law
 _LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that is above 0

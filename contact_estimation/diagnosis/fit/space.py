@@ -8,15 +8,12 @@ An effect may be added if it is physically possible on a rig, also if a recordin
 from another: both then have the same weight, and are listed with each other.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from functools import cached_property
 from typing import Callable, Mapping, Sequence, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .constants import CONSTANTS
 from .discrepancy import CHANNELS, force_of_motion, weighed
@@ -30,8 +27,7 @@ from ..observe.residuals import force_residual
 from ..observe.shares import MOST, MUCH, SLIGHT
 from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
-
-Array = NDArray[np.float64]
+from ...physics.numeric import Array
 
 _STROKES = 1.5  # ranges of the motion: its path, if it returns
 
@@ -106,12 +102,9 @@ class _Recorded:
         self.sample_period = recording.observed.h
 
     def clips(self, limit: float) -> bool:
-        """
-        Return whether the force sensor clips as a saturating one does.
-
-        The measured force is level where it would be held, though the motion is not, and not for
-        most of the time to and fro, as friction holds it.
-        """
+        """Return whether the force sensor clips as a saturating one does."""
+        # The measured force is level where it would be held, though the motion is not, and not for
+        # most of the time to and fro, as friction holds it.
         one, model = self._recording, self._model
         o, force = one.observed, one.observed.force
         held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
@@ -265,8 +258,7 @@ class ContactModels:
         near.sort(key=lambda found: found.cost)
         if rings or near[0].cost >= present:
             alone = len(_laws(steps[0].start)) == 1
-            return self._from_afar(
-                recordings, near, 2 * _STARTS if rings and alone else _BRANCHES)
+            return self._from_afar(recordings, near, 2 * _STARTS if rings and alone else _BRANCHES)
         return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
 
     def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
@@ -279,8 +271,7 @@ class ContactModels:
         near = sorted((fit_at(recordings, one.model, briefly=True) for one in near),
                       key=lambda found: found.cost)
         longer = [fit(recordings, one.model, _LONGER, briefly=True) for one in near[:branches]]
-        best = min((fit_at(recordings, one.model) for one in longer),
-                   key=lambda found: found.cost)
+        best = min((fit_at(recordings, one.model) for one in longer), key=lambda found: found.cost)
         return fit(recordings, best.model, _BRIEF, known=best.residuals)
 
     def to_the_end(self, one: Scored) -> Scored | None:
@@ -318,9 +309,7 @@ def _laws(model: Model) -> list[str]:
 Item = TypeVar('Item')
 
 
-def _first_of(
-    items: Sequence[Item], name_of: Callable[[Item], str], count: int
-) -> list[Item]:
+def _first_of(items: Sequence[Item], name_of: Callable[[Item], str], count: int) -> list[Item]:
     """Return the first items that are not the third of their family."""
     found, seen = list[Item](), Counter[str]()
     for one in items:

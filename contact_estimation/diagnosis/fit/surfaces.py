@@ -8,19 +8,15 @@ Nothing that is missing in one contact explains that. Each contact tells twice w
 is: by the position at which its force begins, and by the spring that its force fits.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.shares import LITTLE, MOST, MUCH
 from ..observe.signals import Signals
+from ...physics.numeric import Array
 from ...reference.reference_generator import quintic
-
-Array = NDArray[np.float64]
 
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
 _FELT, _NOISE = 0.01, 5.0  # of the range of the force; standard deviations
@@ -70,11 +66,8 @@ class Surfaces(NamedTuple):
 
 
 def surfaces_of(recordings: Recordings) -> Surfaces:
-    """
-    Measure where the surface of each contact is.
-
-    -F_e = K_e (x - x_k) + B_e v + M_e a in contact k, by least squares.
-    """
+    """Measure where the surface of each contact is."""
+    # -F_e = K_e (x - x_k) + B_e v + M_e a in contact k, by least squares.
     found = [(number, *contact) for number, one in enumerate(recordings)
              for contact in _contacts(one)]
     if len(found) < 2:
@@ -107,12 +100,9 @@ def surfaces_of(recordings: Recordings) -> Surfaces:
 def on_one_surface(
     signals: Signals, contacts: Sequence[Contact], places: Sequence[float], location: float
 ) -> Signals:
-    """
-    Move the position and its reference together, so that all contacts begin at one place.
-
-    What an impedance-controlled robot does depends on their difference alone. Between contacts
-    both are moved from rest to rest, while the tool is before both surfaces.
-    """
+    """Move the position and its reference together, so that all contacts begin at one place."""
+    # What an impedance-controlled robot does depends on their difference alone. Between contacts
+    # both are moved from rest to rest, while the tool is before both surfaces.
     if not contacts:
         return signals
     times = [_away(signals, last.end, following.begin, min(here, there))

@@ -81,9 +81,7 @@ class Model:
     unit: Unit = Unit()  # in which values of 0 have a size
 
     @classmethod
-    def of(
-        cls, nominal: PlantParameters, excluded: frozenset[str] = frozenset()
-    ) -> 'Model':
+    def of(cls, nominal: PlantParameters, excluded: frozenset[str] = frozenset()) -> 'Model':
         """Return the nominal model, with the effects that it has."""
         wall = nominal.environment
         with_inertia = wall.inertia > 0.0

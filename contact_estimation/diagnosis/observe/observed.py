@@ -223,11 +223,8 @@ def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, F
 
 
 def reference_on_grid(signals: Signals, model: PlantParameters, t: Array) -> Array:
-    """
-    Interpolate a reference: straight lines as in a robot, but splines over dropped samples.
-
-    The robot has received those; position and velocity are interpolated with recorded rates.
-    """
+    """Interpolate a reference: straight lines as in a robot, but splines over dropped samples."""
+    # The robot has received those; position and velocity are interpolated with recorded rates.
     stamps, values = signals.reference_t, signals.reference
     reference = np.array([np.interp(t, stamps, row) for row in values])
     after = np.clip(np.searchsorted(stamps, t), 1, len(stamps) - 1)

@@ -76,12 +76,9 @@ def innovations_under(
     force: Array, position: Array, start: float, system: SecondOrder, denominator: Array,
     stiffness: float,
 ) -> Array:
-    """
-    Filter the misfit of a run from rest under a force, without running it.
-
-    The poles of the dynamics are zeros of the filter a / c, with a their denominator: what is left
-    is (a x - b f) / c, with b the numerator of the position.
-    """
+    """Filter the misfit of a run from rest under a force, without running it."""
+    # The poles of the dynamics are zeros of the filter a / c, with a their denominator: what is
+    # left is (a x - b f) / c, with b the numerator of the position.
     x, f = position - start, force - stiffness * start
     (_, a_1, a_2), (b_0, b_1, b_2) = system.denominator.tolist(), system.position.tolist()
     left = x - b_0 * f
@@ -94,13 +91,10 @@ def kalman_filter(
     system: SecondOrder, force_noise: float, position_noise: float,
     weights: Sequence[float] = (1.0,),
 ) -> tuple[Array, float]:
-    """
-    Design the stationary Kalman filter of dynamics driven by a noisy force.
-
-    With a and b the polynomials of the position's transfer function, the spectra of both noises
-    add up to S |c|^2 = force_noise^2 |b|^2 + position_noise^2 |a|^2; the misfit of a free run
-    filtered by a / c is the innovation (spectral factorisation; Ljung 1999, section 4.3).
-    """
+    """Design the stationary Kalman filter of dynamics driven by a noisy force."""
+    # With a and b the polynomials of the position's transfer function, the spectra of both noises
+    # add up to S |c|^2 = force_noise^2 |b|^2 + position_noise^2 |a|^2; the misfit of a free run
+    # filtered by a / c is the innovation (spectral factorisation; Ljung 1999, section 4.3).
     a, b = system.denominator, np.convolve(system.position, weights)
     a = np.pad(a, (0, len(b) - len(a)))
     spectrum = (force_noise**2 * np.correlate(b, b, 'full')
@@ -127,12 +121,9 @@ def innovation_std(
 
 
 def at_touch_down(force: Array, d: Array) -> Array:
-    """
-    Keep the impulse of a force that begins between two samples.
-
-    The force straight between samples would begin at the sample before touch-down. Its value
-    there is set so that the area under the two lines that meet there is that of the true force.
-    """
+    """Keep the impulse of a force that begins between two samples."""
+    # The force straight between samples would begin at the sample before touch-down. Its value
+    # there is set so that the area under the two lines that meet there is that of the true force.
     inside = d > 0.0
     begins = np.flatnonzero(inside[1:] > inside[:-1])
     begins = begins[force[begins] == 0.0]
@@ -148,12 +139,9 @@ def at_touch_down(force: Array, d: Array) -> Array:
 def link_motion(
     joint: Joint, x: Array, v: Array, a: Array, force: Array, h: float, bent: float = 0.0
 ) -> tuple[Array, Array, Array]:
-    """
-    Compute the motion of the link from that of the motor and the force at the wall.
-
-    z = y - x obeys m z'' + c z' + z / C = F_e - m x'': of a stiff joint it vanishes, however
-    coarse the samples.
-    """
+    """Compute the motion of the link from that of the motor and the force at the wall."""
+    # z = y - x obeys m z'' + c z' + z / C = F_e - m x'': of a stiff joint it vanishes, however
+    # coarse the samples.
     push, start = force - joint.mass * a, joint.compliance * bent
     system = discretise(joint.mass, joint.damping, joint.stiffness, h)
     z = run(system, push, start, joint.stiffness)
@@ -164,12 +152,9 @@ def link_motion(
 def link_against_wall(
     joint: Joint, law: ContactLaw, t: Array, x: Array, v: Array, a: Array, force: Array
 ) -> tuple[Array, Array, Array]:
-    """
-    Compute the motion of the link from that of the motor alone.
-
-    The link under the measured force would follow its noise. One Newton step from there solves
-    m y'' = (x - y) / C + c (x' - y') + F_e(y, y') for a wall of K_e and B_e while it is touched.
-    """
+    """Compute the motion of the link from that of the motor alone."""
+    # The link under the measured force would follow its noise. One Newton step from there solves
+    # m y'' = (x - y) / C + c (x' - y') + F_e(y, y') for a wall of K_e and B_e while it is touched.
     h = float(t[1] - t[0])
     begins = float(force[0]) if law.contact(t, x, v)[0] else 0.0  # else it is noise
     y, w, b = link_motion(joint, x, v, a, force, h, begins)
@@ -182,9 +167,7 @@ def link_against_wall(
     return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, b)) / joint.mass
 
 
-def _deflection(
-    joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float
-) -> Array:
+def _deflection(joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float) -> Array:
     """Simulate a link on its joint, and on the wall's spring while it touches; shape (2, N)."""
     motion = np.zeros((2, len(push)))
     for first, stop in stretches(touching):
@@ -210,12 +193,9 @@ def run_jointed(robot: RobotLaw, push: Array, force: Array, position: float, h: 
 def _modes(
     mass: float, damping: float, stiffness: float, joint: Joint, h: float
 ) -> list[tuple[tuple[Array, Array], Array]]:
-    """
-    Return the filters from both forces to x, mode by mode.
-
-    One filter of fourth order loses all digits at high rates. Partial fractions in s leave two
-    of second order, alpha s + beta over a quadratic each.
-    """
+    """Return the filters from both forces to x, mode by mode."""
+    # One filter of fourth order loses all digits at high rates. Partial fractions in s leave two
+    # of second order, alpha s + beta over a quadratic each.
     m, c, k, motor = joint.mass, joint.damping, joint.stiffness, mass - joint.mass
     det = np.polysub(np.polymul([motor, damping + c, stiffness + k], [m, c, k]),
                      np.polymul([c, k], [c, k]))

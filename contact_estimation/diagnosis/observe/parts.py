@@ -66,12 +66,9 @@ def _cut(signals: Signals, first: float, last: float) -> Signals:
 
 
 def spans_of(signals: Signals) -> list[tuple[float, float]]:
-    """
-    Find the stretches in which no topic pauses.
-
-    A pause of less than a fiftieth of the recording over which the topic goes straight on is none:
-    a straight line tells what happened.
-    """
+    """Find the stretches in which no topic pauses."""
+    # A pause of less than a fiftieth of the recording over which the topic goes straight on is
+    # none: a straight line tells what happened.
     s = signals
     begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])
     pace = pace_of(_period(s.wrench_t), end - begin)
@@ -213,8 +210,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
         raise RecordingError(
             f'{name} has no contact of {_LEAST_SAMPLES} samples or more: expected x '
             f'beyond {location:g} m (environment.location), got at most '
-            f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model'
-        )
+            f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model')
 
 
 def hold_out(model: Model, observed: Observed) -> HeldOut:

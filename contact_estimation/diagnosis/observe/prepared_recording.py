@@ -98,8 +98,7 @@ class PreparedRecording:
             dropped=(force_drops(o, noise, laws.touching(o)) if laws.contact.unilateral
                      else None),
             observer=observer, force_error=force_error(model, o),
-            motion_error=innovation_error(model, o, observer),
-        )
+            motion_error=innovation_error(model, o, observer))
 
     @cached_property
     def force(self) -> Channel:

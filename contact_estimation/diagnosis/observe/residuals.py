@@ -151,9 +151,7 @@ def _robot_innovations(
     return np.asarray(alone - innovations_of(force, system, observer, o.observer_cutoff, o.h))
 
 
-def _push(
-    recording: PreparedRecording, model: Model, robot: RobotLaw, wall: _AtWall
-) -> Array:
+def _push(recording: PreparedRecording, model: Model, robot: RobotLaw, wall: _AtWall) -> Array:
     """Return the force on the robot beside its own damping and stiffness, and the wall [N]."""
     o = recording.observed
     reference = o.reference_at(robot.reference_delay)

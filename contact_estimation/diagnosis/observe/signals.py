@@ -64,8 +64,7 @@ def signals_of(recorded: RecordedSignals) -> Signals:
     reference = recorded.reference_trajectory
     return Signals(
         seconds(wrench.stamp_ns), wrench.values[0], seconds(joints.stamp_ns), joints.values[0],
-        seconds(reference.stamp_ns), reference.values,
-    )
+        seconds(reference.stamp_ns), reference.values)
 
 
 def without_reference(recording: Recording) -> Recording:
@@ -81,29 +80,25 @@ def check_signals(signals: Signals) -> None:
             raise RecordingError(
                 f'{name} must have at least {LEAST_SAMPLES} different stamps, got {len(stamps)}; '
                 'stamp every header, record longer or at a higher rate, or take the time of '
-                'reception with --stamps received'
-            )
+                'reception with --stamps received')
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),
         ('reference_trajectory', signals.reference),
     ):
         if not np.isfinite(values).all():
             raise RecordingError(
-                f'{name} must have finite values only, got NaN or infinity; remove these samples'
-            )
+                f'{name} must have finite values only, got NaN or infinity; remove these samples')
         absurd = np.count_nonzero(np.abs(values) > _ABSURD)
         if absurd:
             raise RecordingError(
                 f'{name} must have possible values only, got {absurd} beyond {_ABSURD:g}; remove '
-                'these samples'
-            )
+                'these samples')
     for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
         if float(np.ptp(values)) == 0.0:
             raise RecordingError(
                 f'{name} is constant at {values[0]:g}, expected a signal that changes; check '
                 'topic, axis and joint; under a constant load record the measured force, not the '
-                'command, and the loading'
-            )
+                'command, and the loading')
 
 
 _APART = 1.0 - 1e-9  # ramps that meet must not overlap by rounding

@@ -114,13 +114,10 @@ _SHORT_S = 2.0  # duration below which times shrink
 
 
 def pace_of(h: float, duration: float) -> float:
-    """
-    Return the factor on all times of the diagnosis.
-
-    Its times (windows, blocks, memories) suit contacts that are sampled at 100 Hz to 1 kHz for
-    seconds. Slower sampling lengthens them, so that they hold as many samples as at 100 Hz; faster
-    sampling and a short recording shorten them.
-    """
+    """Return the factor on all times of the diagnosis."""
+    # Its times (windows, blocks, memories) suit contacts that are sampled at 100 Hz to 1 kHz for
+    # seconds. Slower sampling lengthens them, so that they hold as many samples as at 100 Hz;
+    # faster sampling and a short recording shorten them.
     by_rate = max(h / _SLOWEST_S, min(1.0, h / _FASTEST_S))
     return min(by_rate, duration / _SHORT_S) if duration > 0.0 else by_rate
 
@@ -142,11 +139,8 @@ def quantisation_step(values: Array) -> float:
 
 
 def _of_changes(values: Array) -> float:
-    """
-    Return the step of which nearly all changes are multiples: a single shift does not count.
-
-    The signal must rest between its steps, or constant speed would look like one.
-    """
+    """Return the step of which nearly all changes are multiples: a single shift does not count."""
+    # The signal must rest between its steps, or constant speed would look like one.
     changes = np.abs(np.diff(values))
     rests = changes == 0.0
     if np.mean(rests) < MOST or rests.all():
@@ -180,8 +174,7 @@ def _of_levels(values: Array) -> float:
 
 
 def motion_error(
-    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float,
-    left: Array | None,
+    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float, left: Array | None
 ) -> Array | None:
     """
     Estimate the errors of a smoothed motion.

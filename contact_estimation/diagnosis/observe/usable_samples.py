@@ -62,23 +62,17 @@ def _starts_loaded(force: Array) -> bool:
 
 
 def _until_known(x: Array) -> int:
-    """
-    Return how many samples it takes to forget what came before a recording of many strokes.
-
-    Friction and hysteresis forget it within a few strokes over the whole range, whose length may
-    be that of their memory; 0 where a cycle would be much of the recording.
-    """
+    """Return how many samples it takes to forget what came before a recording of many strokes."""
+    # Friction and hysteresis forget it within a few strokes over the whole range, whose length may
+    # be that of their memory; 0 where a cycle would be much of the recording.
     strokes = np.cumsum(np.abs(np.diff(x))) / np.ptp(x)
     known = int(min(strokes[round(LITTLE * len(strokes))], _FORGETTING))
     return int(np.searchsorted(strokes, known)) if known >= _CYCLE else 0
 
 
 def held_at_rest(model: Model, observed: Observed) -> Flags | None:
-    """
-    Find the stretches in which a drive without a spring is held, by forces that differ.
-
-    What holds it follows the force, so that no law of the motion predicts that.
-    """
+    """Find the stretches in which a drive without a spring is held, by forces that differ."""
+    # What holds it follows the force, so that no law of the motion predicts that.
     o, wall = observed, model.nominal.environment
     if o.reference is not None or wall.unilateral or wall.stiffness != 0.0:
         return None

@@ -84,11 +84,8 @@ def _limits(data: PlotData, residuals: Residuals) -> tuple[float, float]:
 
 @figure_style()
 def plot_parts(effect: NamedEffect) -> Any:
-    """
-    Plot an effect part by part: the share that it explains, and its first parameter.
-
-    Of a law beside named offsets the share is that of what these leave.
-    """
+    """Plot an effect part by part: the share that it explains, and its first parameter."""
+    # Of a law beside named offsets the share is that of what these leave.
     figure, (above, below) = new_figure((_WIDTH, 3.6), 2, sharex=True)
     _plot_shares(above, effect)
     _plot_values(below, effect)
@@ -150,8 +147,7 @@ def plot_plane(data: PlotData) -> Any:
         order = np.argsort(np.abs(residual))  # the greatest on top
         dots = axis.scatter(
             1e3 * plane.x[order], 1e3 * plane.v[order], c=residual[order], s=5, cmap='RdBu_r',
-            vmin=-saturated, vmax=saturated, linewidths=0, rasterized=True,
-        )
+            vmin=-saturated, vmax=saturated, linewidths=0, rasterized=True)
         axis.set_facecolor('#f7f8f9')
         axis.set_title(f'{name} model', color=COLOURS[name])
         axis.set_ylabel('velocity v [mm/s]')

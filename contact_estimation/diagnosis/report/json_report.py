@@ -10,7 +10,7 @@ import yaml
 
 from ..fit.free_run import plant_of
 from ..observe.model import Model, names_of
-from ..result import Diagnosis, Errors, NamedEffect, Remainder, Value
+from ..result import Diagnosis, Errors, NamedEffect, Value
 from ...parameters import flatten
 from ...plant.plant_parameters import PlantParameters
 
@@ -25,7 +25,9 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
         'located_in': d.shown or None,
         'checks': [{'name': check.name, 'ok': check.ok, 'text': check.text}
                    for check in d.checks],
-        'remainder': None if d.remainder is None else _remainder(d.remainder),
+        'remainder': None if d.remainder is None else {
+            'share': d.remainder.share, **d.remainder.location.as_dict(),
+            'text': d.remainder.text},
         'nominal': _base(d.nominal),
         'recalibrated': _base(d.recalibrated),
         'corrected': _corrected(d),
@@ -51,20 +53,14 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
     })
 
 
-def _remainder(remainder: Remainder) -> dict[str, Any]:
-    return {'share': remainder.share, **remainder.location.as_dict(), 'text': remainder.text}
-
-
 def _effect(effect: NamedEffect) -> dict[str, Any]:
     return {
         'name': effect.name, 'family': effect.family, 'port': effect.port,
         'probability': effect.probability, 'equation': effect.equation,
         'share': effect.share, 'share_interval': list(effect.share_interval),
         'share_beside_zeros': None if effect.beside_zeros is None else effect.beside_zeros.share,
-        'parts': [{'name': part.name, 'share': part.share, 'parameters': part.parameters}
-                  for part in effect.parts],
-        'parameters': {name: {**_value(value), 'unit': value.unit}
-                       for name, value in effect.parameters.items()},
+        'parts': [vars(part) for part in effect.parts],
+        'parameters': {name: vars(value) for name, value in effect.parameters.items()},
         'indistinguishable_from': effect.indistinguishable_from,
         'location': effect.location.as_dict(),
     }
@@ -120,10 +116,7 @@ def model_file(diagnosis: Diagnosis) -> str:
         or (value == value and (value != default[name] or value != given[name]))
     }
     physics = {name: value for name, value in changed.items() if name.startswith('physics.')}
-    estimator = {
-        'environment.location': changed['environment.location'],
-        **physics,
-    }
+    estimator = {'environment.location': changed['environment.location'], **physics}
     nodes = {
         'plant_node': {'ros__parameters': _nested(changed)},
         'estimator_node': {'ros__parameters': _nested(estimator)},

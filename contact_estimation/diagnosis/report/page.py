@@ -26,15 +26,16 @@ DASH = Markup('&ndash;')
 
 def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None) -> str:
     """Build the page."""
-    d = diagnosis
-    verdict = 'recording refused' if d.refused else d.verdict.replace('_', ' ')
-    template = environment(__package__).get_template('diagnosis.html')
-    return template.render(
-        d=d, title=title, verdict=verdict, experiment_file=experiment_file,
-        failed=[one for one in d.checks if not one.ok],
-        passed=[one for one in d.checks if one.ok],
-        **_shown(d) if d.recordings else {},
-    )
+    return rendered('diagnosis.html', diagnosis, title=title, experiment_file=experiment_file,
+                    **_shown(diagnosis) if diagnosis.recordings else {})
+
+
+def rendered(template: str, d: Any, **shown: Any) -> str:
+    """Render the page of a diagnosis, of a contact or an arm: its verdict, checks, and more."""
+    return environment(__package__).get_template(template).render(
+        d=d, verdict='recording refused' if d.refused else d.verdict.replace('_', ' '),
+        failed=[one for one in d.checks if not one.ok], passed=[one for one in d.checks if one.ok],
+        **shown)
 
 
 def _shown(d: Diagnosis) -> dict[str, Any]:
@@ -55,7 +56,7 @@ def _shown(d: Diagnosis) -> dict[str, Any]:
         'dependences': figures.plot_dependences(tested) if tested else None,
         'evidence': figures.plot_evidence(d) if d.evidence else None,
         'models': [getattr(d, name) for name in wording.MODELS],
-        'shown_models': _models(d),
+        'shown_models': list(_models(d)),
         'held_out': _held_out(d),
     }
 
@@ -86,8 +87,7 @@ def environment(*packages: str) -> Environment:
     loader = ChoiceLoader([PackageLoader(package, '.') for package in packages])
     environment = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True, keep_trailing_newline=True,
-    )
+        lstrip_blocks=True, keep_trailing_newline=True)
     environment.globals.update(words=wording)
     environment.filters.update(as_image=as_data_uri, plain=plain, with_std=with_std)
     return environment

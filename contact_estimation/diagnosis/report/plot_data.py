@@ -79,8 +79,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
     located = [] if diagnosis.location is None else diagnosis.location.intervals_s
     residuals = [
         *_force_residuals(recording, models, force, [] if in_motion else located),
-        *_motion_residuals(recording, models, located if in_motion else []),
-    ]
+        *_motion_residuals(recording, models, located if in_motion else [])]
     shown = residuals[-1 if in_motion else 0]
     blocks = np.arange(len(o.t) // recording.block, dtype=np.float64)
     return PlotData(
@@ -88,8 +87,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
         Comparison('force [N]', o.force, {name: o.force - e for name, e in force.items()}),
         position, o.t[0] + o.h * recording.block * (0.5 + blocks), residuals,
         _plane(recording, models[pair[-1]], shown, in_motion),
-        _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis),
-    )
+        _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis))
 
 
 def _force_residuals(
@@ -108,8 +106,7 @@ def _motion_residuals(
 ) -> list[Residuals]:
     """Average the innovations: measured less one-step-ahead prediction of the motion."""
     innovations = {name: motion_residual(recording, model) for name, model in models.items()}
-    means = {name: 1e6 * recording.blocks(e)
-             for name, e in innovations.items() if e is not None}
+    means = {name: 1e6 * recording.blocks(e) for name, e in innovations.items() if e is not None}
     if len(means) < len(models):
         return []
     noise = 1e6 * recording.observed.position_noise / sqrt(recording.block)

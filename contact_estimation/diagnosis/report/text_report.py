@@ -43,8 +43,7 @@ def _effect(effect: NamedEffect) -> list[str]:
         f'probability {effect.probability:.3f}',
         f'  {effect.equation}',
         f'  {values}',
-        f'  {share_of(effect)}',
-    ]
+        f'  {share_of(effect)}']
     if len(effect.parts) > 1:
         lines.append(f'  fitted on each of {len(effect.parts)} parts alone: {_ranges(effect)}')
     lines.append(f'  visible {place_of(effect.location)}')
@@ -92,8 +91,7 @@ def _parameters(d: Diagnosis) -> list[str]:
 
 
 def _held_out(d: Diagnosis) -> list[str]:
-    lines = [_row('Held-out errors (rms)', *MODELS),
-             _row('  force [N]', *_numbers(d.force, 1.0))]
+    lines = [_row('Held-out errors (rms)', *MODELS), _row('  force [N]', *_numbers(d.force, 1.0))]
     if d.motion.nominal is not None:
         lines.append(_row('  free-run position [um]', *_numbers(d.motion, 1e6)))
     lines.append(f'  force noise {d.noise_floor:.3g} N; held out: '

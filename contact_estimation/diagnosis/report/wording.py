@@ -57,11 +57,7 @@ def _recalibrated(diagnosis: Diagnosis) -> str:
 
 
 def share_of(effect: NamedEffect) -> str:
-    """
-    Return how much of the misfit an effect explains, without a full stop.
-
-    Such as 'explains 81 % (74 to 86 %) of the misfit in cross-validation'.
-    """
+    """Return 'explains 81 % (74 to 86 %) of the misfit in cross-validation' or the like."""
     share = _percent(effect.share, effect.share_interval)
     sentence = f'explains {share} of the misfit in cross-validation'
     if effect.beside_zeros is not None:
@@ -141,11 +137,7 @@ def improvement(diagnosis: Diagnosis) -> str:
 
 
 def place_of(location: Location) -> str:
-    """
-    Describe where a mismatch sits, without its port.
-
-    Such as 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz'.
-    """
+    """Return 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz' or the like."""
     times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:LISTED])
     times += ', ...' if len(location.intervals_s) > LISTED else ''
     times = f' ({times})' if times else ''

@@ -15,14 +15,13 @@ from .running import TrialFiles
 from .trial import nominal_model
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ...parameter_files import parameter_sections
-from ...parameters import build
-from ...physics import EFFECTS, effects_that_are_on
+from ...physics import EFFECTS
 from ...physics.contact_law import ContactLaw
 from ...physics.joint_effects import JOINT_EFFECTS
 from ...physics.numeric import Array
 from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
-from ...plant.plant_parameters import PlantParameters, WallParameters
+from ...plant.plant_parameters import WallParameters
 from ...recordings.encoding import encode_arm, WrenchEncoder
 from ...recordings.writing import RecordingWriter
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory, pressing_motion
@@ -84,11 +83,6 @@ def _flexible(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     return ArmLaw('joint_flexibility', [rng.uniform(0.03, 0.08) / np.abs(one.load[:, j]).max()], j)
 
 
-def _backlash(one: _Arm, rng: np.random.Generator) -> ArmLaw:
-    """Draw a gap in the joint whose load changes its sign most."""
-    return ArmLaw('backlash', [rng.uniform(0.03, 0.08)], int(np.argmax(one.reversing)))
-
-
 def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
     """Draw a delay that moves 1 to 3 % of the torque."""
     rate = np.gradient(one.load, one.motion.t, axis=0).std(axis=0) / one.load.std(axis=0)
@@ -112,7 +106,8 @@ KINDS: Mapping[str, Draw] = {
     'force_bias': _at('force_bias', 'joint', 0.1, 0.25, True),
     'force_gain': _at('force_gain', 'loaded', 0.12, 0.3, True),
     'joint_flexibility': _flexible,
-    'backlash': _backlash,
+    'backlash': lambda one, rng: ArmLaw(  # in the joint whose load changes its sign most
+        'backlash', [rng.uniform(0.03, 0.08)], int(np.argmax(one.reversing))),
     'force_delay': _delay,
     'base_tilt': lambda one, rng: ArmLaw('base_tilt', [
         float(sign * np.radians(rng.uniform(1.5, 4.0))) for sign in rng.choice([-1, 1], 2)]),
@@ -129,13 +124,6 @@ _WALL_LAWS: Mapping[str, Callable[[np.random.Generator], float]] = {
 }
 _LOADED = _at('coulomb_friction', 'loaded', 0.15, 0.3)
 _STIFF = 0.2  # of the compliance in free motion: what presses with 60 N would move centimetres
-
-
-def _wall_law(kind: str, rng: np.random.Generator) -> dict[str, float]:
-    """Return the parameter of a law of the wall."""
-    (name,) = EFFECTS[kind].neutral()
-    return {f'physics.{kind}.{name}': float(_WALL_LAWS[kind](rng))}
-
 
 PRESSED = (CLEAN, 'coulomb_friction', 'dead_zone', 'joint_flexibility', CLEAN, 'payload',
            'cubic_stiffness', 'force_gain', CLEAN, 'quadratic_damping')
@@ -201,8 +189,8 @@ def _everywhere(one: _Arm, rng: np.random.Generator) -> list[ArmLaw]:
 
 def _pressed(kind: str, rng: np.random.Generator) -> tuple[Impedance, list[dict[str, Any]]]:
     """Return control and wall, and what is concealed in the wall."""
-    laws = effects_that_are_on(build(PlantParameters, _wall_law(kind, rng)).physics
-                               ) if kind in _WALL_LAWS else []
+    laws = [EFFECTS[name](**{key: float(draw(rng)) for key in EFFECTS[name].neutral()})
+            for name, draw in _WALL_LAWS.items() if name == kind]
     wall = ContactLaw(_STIFFNESS, _DAMPING, _SURFACE, 0.0, True, laws)
     return (Impedance(_DOWN, wall, noise=np.array(3 * [0.3] + 3 * [0.02])),
             [{'name': law.name, 'family': law.family, 'place': None} for law in laws])
@@ -246,8 +234,7 @@ class PlannedArm(NamedTuple):
 
     def write(self, files: TrialFiles) -> dict[str, Any]:
         """Draw the trial, write what is handed over, and return the truth."""
-        urdf, states, truth = _drawn(
-            self.kind, self.number, self.seed, self.pressing, self.engine)
+        urdf, states, truth = _drawn(self.kind, self.number, self.seed, self.pressing, self.engine)
         files.nominal.write_text(urdf)
         dynamics = ArmDynamics(urdf)
         write_arm_recording(files.recording, dynamics.joints, states)
@@ -290,9 +277,7 @@ def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm)
                          encoder.encode(stamp, *wrench), stamp)
 
 
-def scored(
-    truth: Mapping[str, Any], answer: Mapping[str, Any], world: str
-) -> dict[str, Any]:
+def scored(truth: Mapping[str, Any], answer: Mapping[str, Any], world: str) -> dict[str, Any]:
     """Score an answer: the first name beyond friction, which every arm has: family and place."""
     report = answer['report'] or {'effects': [], 'joints': [], 'verdict': answer['error']}
     contact = report.get('contact') or {'effects': [], 'verdict': ''}

@@ -21,7 +21,7 @@ from ...commands.command_line import (
 from ...exceptions import ParameterRangeError
 
 _ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
-_EVERY_CLEAN = 9
+_EVERY_CLEAN = 9  # of the trials of foreign laws
 
 
 class PlannedTrial(NamedTuple):
@@ -51,8 +51,9 @@ def plan_study(
     count: int, clean: int, seed: int, unknown: int = 0, foreign: int = 0
 ) -> list[PlannedTrial]:
     """Plan a study."""
+    laws = iter(plan_effects(foreign, seed, FOREIGN_LAWS))
     kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN_LAWS),
-             _plan_foreign(foreign, seed))
+             ['' if k % _EVERY_CLEAN == _EVERY_CLEAN - 1 else next(laws) for k in range(foreign)])
     return [PlannedTrial(_name((seed, kind, k)), effect, (seed, kind, k), kind in _ON_RIG)
             for kind, effects in enumerate(kinds) for k, effect in enumerate(effects)]
 
@@ -64,12 +65,6 @@ def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL
         rng = np.random.default_rng([seed, len(effects)])
         effects += rng.permutation(list(names)).tolist()
     return effects[:count]
-
-
-def _plan_foreign(count: int, seed: int) -> list[str]:
-    """Plan laws of the literature with a clean world after every eight."""
-    laws = iter(plan_effects(count, seed, FOREIGN_LAWS))
-    return ['' if k % _EVERY_CLEAN == _EVERY_CLEAN - 1 else next(laws) for k in range(count)]
 
 
 def _name(seed: tuple[int, int, int]) -> str:
@@ -88,8 +83,7 @@ def make_parser() -> Parser:
         '--foreign and --unknown draw rigs with the small nuisances of a laboratory and laws that '
         "are not the library's, scored by family. An "
         'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
-        'same folder; delete the subfolder reports to repeat the diagnoses.',
-    )
+        'same folder; delete the subfolder reports to repeat the diagnoses.')
     parser.add_argument('--count', type=int, default=0, help='trials with an effect (0)')
     parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
     parser.add_argument('--unknown', type=int, default=0,

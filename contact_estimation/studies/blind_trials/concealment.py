@@ -52,11 +52,9 @@ def active_intervals(residual: Array, t: Array) -> list[tuple[float, float]]:
 
 
 def _contact_residual(world: World, run: Run) -> Array:
-    """
-    Refit spring and damper, and mass if the world has one, to the force in contact.
-
-    In an ideal world NaN where no contact force acts or is due; on a rig free flight counts, too.
-    """
+    """Refit spring and damper, and mass if the world has one, to the force in contact."""
+    # In an ideal world NaN where no contact force acts or is due; on a rig free flight counts,
+    # too.
     d, wall = run.x - world.wall.location, world.wall
     columns = [d] * bool(wall.stiffness) + [run.v]
     columns += [np.gradient(run.v, run.t)] * bool(wall.inertia)
@@ -113,9 +111,7 @@ class Search(NamedTuple):
     first: float  # strength
 
 
-def conceal(
-    degree_of: Callable[[float], float], requested: float, search: Search
-) -> Concealed:
+def conceal(degree_of: Callable[[float], float], requested: float, search: Search) -> Concealed:
     """
     Search the strength at which a law is concealed to a requested degree.
 

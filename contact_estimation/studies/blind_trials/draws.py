@@ -37,8 +37,7 @@ def draw_ideal(rng: Generator) -> World:
     wall = WallParameters(
         stiffness=digits(log_uniform(rng, 1200.0, 16000.0)),
         damping=digits(log_uniform(rng, 20.0, 280.0)),
-        location=0.0 if coin(rng, 0.5) else round(float(rng.uniform(-0.03, 0.03)), 6),
-    )
+        location=0.0 if coin(rng, 0.5) else round(float(rng.uniform(-0.03, 0.03)), 6))
     mass, stiffness = log_uniform(rng, 9.0, 50.0), log_uniform(rng, 1200.0, 16000.0)
     damping = 2.0 * rng.uniform(0.8, 1.2) * sqrt(mass * stiffness)
     robot = RobotParameters(
@@ -54,8 +53,7 @@ def _ideal_sensors(rng: Generator) -> SensorModel:
     noise = log_uniform(rng, 0.16, 0.8)
     return SensorModel(
         rate=float(rng.choice([250.0, 500.0, 1000.0], p=[0.07, 0.86, 0.07])),
-        force_noise=digits(noise),
-        position_noise=digits(log_uniform(rng, 1.5e-6, 6e-6)),
+        force_noise=digits(noise), position_noise=digits(log_uniform(rng, 1.5e-6, 6e-6)),
         distribution='uniform' if coin(rng, 0.2) else 'normal',
         force_step=digits(rng.uniform(0.1, 0.6) * noise) if coin(rng, 0.4) else 0.0,
         position_step=float(rng.choice([0.0, 1e-6, 2e-6, 5e-6])),
@@ -63,8 +61,7 @@ def _ideal_sensors(rng: Generator) -> SensorModel:
         low_pass=digits(rng.uniform(100.0, 200.0)) if coin(rng, 0.25) else 0.0,
         jitter=digits(rng.uniform(1e-5, 5e-5)) if coin(rng, 0.5) else 0.0,
         joint_phase=round(float(rng.uniform(0.0, 1.0)), 3) if coin(rng, 0.25) else 0.0,
-        dropped=0.003 if coin(rng, 0.2) else 0.0,
-    )
+        dropped=0.003 if coin(rng, 0.2) else 0.0)
 
 
 def draw_nominal(wall: WallParameters, rng: Generator, exact: float, mass_error: float = 0.0
@@ -88,8 +85,7 @@ def _nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nui
         force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
         force * rng.uniform(0.0, 0.003), rng.choice([50.0, 60.0]) * rng.uniform(0.998, 1.002),
         noise * rng.uniform(0.2, 0.7), log_uniform(rng, 0.3, 10.0),
-        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006),
-    )
+        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006))
     return Nuisances(*(digits(value, 4) for value in drawn))
 
 
@@ -104,8 +100,7 @@ def _sensors(
         position_step=digits(travel * log_uniform(rng, 3e-5, 2e-4), 1),
         velocity_noise=None if coin(rng, 0.5) else digits(speed * rng.uniform(2e-3, 1e-2)),
         low_pass=digits(rng.uniform(100.0, 300.0), 3) if rate >= 1000.0 else 0.0,
-        jitter=digits(min(1e-4, 0.05 / rate), 3), dropped=0.002,
-    )
+        jitter=digits(min(1e-4, 0.05 / rate), 3), dropped=0.002)
 
 
 def _press(rng: Generator) -> World:

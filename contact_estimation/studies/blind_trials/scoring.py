@@ -99,8 +99,7 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
         parameter_errors=_parameter_errors(truth, first) if first else {},
         stiffness_error=_percent(report, 'stiffness', truth),
         damping_error=_percent(report, 'damping', truth),
-        error=str(answer['error']), seconds=float(answer['seconds']),
-    )
+        error=str(answer['error']), seconds=float(answer['seconds']))
 
 
 def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
@@ -136,9 +135,7 @@ def judged(
     return names, RIGHT if names[0].right else WRONG
 
 
-def _percent(
-    report: Mapping[str, Any], name: str, truth: Mapping[str, Any]
-) -> float | None:
+def _percent(report: Mapping[str, Any], name: str, truth: Mapping[str, Any]) -> float | None:
     value = report.get('corrected', {}).get(name, {}).get('value')
     return 100.0 * (float(value) / truth[name] - 1.0) if value and truth.get(name) else None
 
@@ -194,9 +191,9 @@ def calibration_text(scores: Sequence[Score]) -> str:
     """Format the reliability table."""
     lines = ['probability given       names     mean    right']
     for row in reliability(scores):
-        shown = ['       -' if value is None else f'{value:>8.2f}'
-                 for value in (row.mean, row.share_right)]
-        lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{shown[0]} {shown[1]}')
+        mean, right = ('-' if value is None else f'{value:.2f}'
+                       for value in (row.mean, row.share_right))
+        lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{mean:>8} {right:>8}')
     return '\n'.join(lines)
 
 
@@ -255,8 +252,7 @@ def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
 
 
 def _by_kind(scores: Sequence[Score]) -> Mapping[str, list[Score]]:
-    parts = {kind: [score for score in scores if score.kind == kind]
-             for kind in KINDS}
+    parts = {kind: [score for score in scores if score.kind == kind] for kind in KINDS}
     return {kind: part for kind, part in parts.items() if part}
 
 
@@ -282,18 +278,19 @@ def _summary(kind: str, part: Sequence[Score]) -> list[str]:
     """Return the lines of a kind of trials."""
     counts = outcomes(part)
     if kind in (CLEAN, CLEAN_RIG):
-        return [_share_line('false alarms [%]', counts[WRONG], len(part))]
-    if kind == UNKNOWN:
+        shown = {'false alarms': counts[WRONG]}
+    elif kind == UNKNOWN:
         located = sum(s.outcome == SILENT and bool(s.port_right) for s in part)
-        return [_share_line('nothing named [%]', counts[SILENT], len(part)),
-                _share_line('nothing named, and right port [%]', located, len(part))]
-    what = 'true name, or one listed with it,' if kind == LIBRARY else 'right family'
-    alone = sum(s.outcome == RIGHT and not s.surplus for s in part)
-    lines = [_share_line(f'{name} [%]', n, len(part)) for name, n in (
-        (f'{what} first', counts[RIGHT]), (f'{what} first, no surplus name', alone),
-        ('wrong name first', counts[WRONG]), ('nothing named', counts[SILENT]),
-        ('diagnosis failed', counts[FAILED]))]
-    if kind == FOREIGN:
+        shown = {'nothing named': counts[SILENT], 'nothing named, and right port': located}
+    else:
+        what = 'true name, or one listed with it,' if kind == LIBRARY else 'right family'
+        alone = sum(s.outcome == RIGHT and not s.surplus for s in part)
+        shown = {f'{what} first': counts[RIGHT], f'{what} first, no surplus name': alone,
+                 'wrong name first': counts[WRONG], 'nothing named': counts[SILENT],
+                 'diagnosis failed': counts[FAILED]}
+    lines = [f'  {f"{name} [%]":<58}{100.0 * count / len(part):>8.3g}  of {len(part)}'
+             for name, count in shown.items()]
+    if kind != LIBRARY:
         return lines
     errors = {
         'median parameter error [% of the distance from no effect]':
@@ -305,10 +302,6 @@ def _summary(kind: str, part: Sequence[Score]) -> list[str]:
     }
     return lines + [f'  {name:<58}{median(values):>8.3g}  of {len(values)}'
                     for name, values in errors.items() if values]
-
-
-def _share_line(name: str, count: int, total: int) -> str:
-    return f'  {name:<58}{100.0 * count / total:>8.3g}  of {total}'
 
 
 def _miss_line(score: Score) -> str:

@@ -74,8 +74,7 @@ class Trial:
         """Return when the law shows [s]."""
         shown = residual(self.setting.law(self.law).in_motion, self.world, run)
         first, last = self.values.get('first', 0.0), self.values.get('last', inf)
-        return active_intervals(
-            np.where((run.t >= first) & (run.t <= last), shown, 0.0), run.t)
+        return active_intervals(np.where((run.t >= first) & (run.t <= last), shown, 0.0), run.t)
 
 
 def draw_trial(setting: Setting, law: str, rng: Generator) -> Trial:
@@ -172,13 +171,11 @@ def _write_recording(
         (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
          lambda stamp, motion: joint.encode(stamp, *motion)),
         (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
-         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
-    )
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)))
     messages = [
         (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
         for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
-        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
-    ]
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())]
     messages.sort(key=lambda message: message[0])
     with RecordingWriter.file(path) as writer:
         for stamp, topic, type_name, data in messages:

@@ -155,8 +155,7 @@ def measure(run: Run, sensors: SensorModel, rng: Generator) -> Measurement:
     reference = np.column_stack([np.interp(t, run.t, r) for r in (run.x_r, run.v_r, run.a_r)])
     return Measurement(
         _stamped(t, force, sensors, rng), _stamped(t_joint, motion, sensors, rng),
-        _stamped(t, reference, sensors, rng), float(np.sqrt(np.mean((force - clean) ** 2))),
-    )
+        _stamped(t, reference, sensors, rng), float(np.sqrt(np.mean((force - clean) ** 2))))
 
 
 def _force(run: Run, t: Array, sensors: SensorModel, rng: Generator) -> tuple[Array, Array]:
