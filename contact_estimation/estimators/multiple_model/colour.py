@@ -71,7 +71,7 @@ class _Scale:
                 bend = self._sums[2] - 2.0 * self._sums[1] + self._sums[0]
                 square = bend * bend / (SECOND * self._size * white)
                 most = CLIPPED_SQUARE * max(self._ratio, 1.0)
-                self._ratio += (min(square, most) - self._ratio) / self._count
+                self._ratio += ((square if square < most else most) - self._ratio) / self._count
             else:  # a sensor without noise has none that is coloured
                 self._ratio = 1.0
             self.least = self._ratio * max(1.0 - 2.0 / sqrt(self._count), _LEAST_SHARE)

@@ -56,7 +56,7 @@ class Pending:
 
     def extend(self, *columns: NDArray[Any]) -> None:
         """Add many rows."""
-        self.numbers.frombytes(np.stack(columns, axis=1, dtype=float).tobytes())
+        self.numbers.frombytes(np.array(columns, float).T.tobytes())
 
     def drop(self, count: int) -> None:
         """Take back the last rows."""
