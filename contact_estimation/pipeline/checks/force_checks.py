@@ -168,10 +168,10 @@ class ForceNoise(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the noise with the configured one."""
-        ratio = seen.state.noise_std / seen.configured_noise
+        noise, ratio = seen.state.noise_std, seen.state.noise_std / seen.configured_noise
         if ratio < _NOISY:
             return ''
-        return (f'force noise of {seen.state.noise_std:.3g} N, {ratio:.3g} times contact.force_noise; '
+        return (f'force noise of {noise:.3g} N, {ratio:.3g} times contact.force_noise; '
                 'check the sensor, its cable and its shield, or correct contact.force_noise')
 
 
