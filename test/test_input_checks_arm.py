@@ -11,7 +11,7 @@ from typing import Any, Mapping
 from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, urdf
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
-from contact_estimation.pipeline.checks.check import Evidence, Forces
+from contact_estimation.pipeline.checks.check import AxisState, Evidence, Forces
 from contact_estimation.pipeline.checks.input_checks import CHECKS, InputChecks
 from contact_estimation.pipeline.checks.rejections import Rejections
 from contact_estimation.pipeline.inputs import MessageInputs
@@ -145,7 +145,7 @@ def evidence(draw: Any) -> Evidence:
     parameters = build(EstimationParameters, ARM if draw(st.booleans()) else {})
     few = min(count, draw(st.sampled_from([0, 1, 1000])))
     return Evidence(
-        'x', parameters, EstimationPipeline(), t, x, v, force, contact,
+        'x', parameters, AxisState.of(EstimationPipeline()), t, x, v, force, contact,
         (Forces('y', signal(draw, few), x[:few]),),
         draw(st.sampled_from([float('nan'), 0.0, 1e-9, 50.0, 500.0, 1e9])),
         float(np.ptp(x)) if count else 0.0, t[:few], draw(st.sampled_from([0.0, 1.7e9])),

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from itertools import repeat
 from math import nan
 from typing import Iterable
 
@@ -344,6 +345,7 @@ class EstimationPipeline:
             else:
                 conditioner.note_free(*pressing[begin:end][outside[begin:end]].tolist())
             published = self._by_posterior.published(stamps[begin], state, self.surface.location)
-            estimates += [new_tuple(Estimate, (stamp, *published)) for stamp in stamps[begin:end]]
+            fields = zip(stamps[begin:end], *map(repeat, published))
+            estimates += map(new_tuple, repeat(Estimate), fields)
             begin = end
         return estimates

@@ -25,6 +25,7 @@ from ..signals.stream_faults import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 
 
+_AT_ONCE = 2000  # messages in small chunks that are processed together
 _MOST_HELD = 6000  # messages for which a late topic is awaited
 
 
@@ -37,13 +38,13 @@ class LateMessages:
     def joined(
         self, batches: Iterable[list[RecordedMessage]]
     ) -> Iterator[list[RecordedMessage]]:
-        """Join a batch that ends with one topic late and those that follow."""
+        """Join small batches, and one that ends with one topic late and those that follow."""
         held: list[list[RecordedMessage]] = []
         together: list[RecordedMessage] = []
         for batch in batches:
             held.append(batch)
             together += batch
-            if self.end_together(together):
+            if len(together) >= _AT_ONCE and self.end_together(together):
                 yield together
             elif len(together) >= _MOST_HELD:
                 yield from held

@@ -95,7 +95,7 @@ class Blocks:
         t, x (N,): stamps [s] and positions [m]
         """
         with np.errstate(invalid='ignore'):
-            dt, moved = (np.diff(values, prepend=last) for values, last in (
+            dt, moved = (values - np.concatenate([[last], values[:-1]]) for values, last in (
                 (t, self._last_t), (x, self._last_x)))
             T = self.period_s
             return dt, (dt > 0.5 * T) & (dt < 1.5 * T) & (np.abs(moved) <= _REACH)
@@ -221,7 +221,7 @@ class Blocks:
         """
         kept = (self.pending % self.short if len(later) else self.short) * _SIGNALS
         before = np.array(self._raw[len(self._raw) - kept:]).reshape(-1, _SIGNALS)[:, :2]
-        both = np.concatenate([before, later])
+        both = np.concatenate([before, later]) if len(later) else before
         return both[:len(both) // self.short * self.short].T.reshape(2, -1, self.short)
 
     def usual(self, K: float, shorts: Array) -> tuple[Array, Array]:

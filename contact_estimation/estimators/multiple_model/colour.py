@@ -13,6 +13,12 @@ from .constants import CLIPPED_SQUARE, COLOUR, COLOURED, NOISE_SAMPLES
 SECOND = 6.0
 """Variance of a second difference of white noise, in that of the noise."""
 
+_LEAST_SHARE = 0.1  # of the variance while few sums are known
+
+
+FINEST = COLOUR[0]
+"""Samples of free flight that are learned from at once."""
+
 
 class Colour:
     """
@@ -21,47 +27,42 @@ class Colour:
     Hum, or a force that wanders, averages out less. Means over the samples of COLOUR show it by
     their second differences, as samples show the white noise: neither a level nor a slope, such
     as that of a slow touch, is a part of them.
+
+    excess: variance of means over that of white noise
+    waiting: forces of free flight that nothing has been learned from yet [N]
     """
 
     def __init__(self) -> None:
-        self.excess = COLOURED  # variance of means over that of white noise
+        self.excess = COLOURED
+        self.waiting: list[float] = []
         self._scales = [_Scale(size) for size in COLOUR]
 
-    @property
-    def room(self) -> int:
-        """Return the number of samples that change nothing but with the last of them."""
-        return self._scales[0].room
-
-    def learn(self, forces: Sequence[float], white: float) -> None:
-        """Learn from samples of free flight, whose white noise has a variance; 0 for none."""
-        complete, *_ = [scale.learn(forces, white) for scale in self._scales]  # the finest first
-        if complete:
-            self.excess = max(1.0, *(scale.least for scale in self._scales))
+    def learn(self, white: float) -> None:
+        """Learn from the forces that wait, whose white noise has a variance; 0 for none."""
+        for scale in self._scales:
+            scale.learn(self.waiting, white)
+        self.waiting.clear()
+        self.excess = max(1.0, *[scale.least for scale in self._scales])
 
 
 class _Scale:
-    """Second differences of sums over so many samples."""
+    """
+    Second differences of sums over so many samples.
+
+    least: variance over that of white noise, less two of its standard errors
+    """
 
     def __init__(self, size: int) -> None:
         self._size, self._ratio, self._count = size, COLOURED, 1.0
+        self.least = _LEAST_SHARE * COLOURED
         self._waiting: list[float] = []  # for their sum
         self._sums: list[float] = []
 
-    @property
-    def room(self) -> int:
-        """Return the number of samples that the present sum lacks."""
-        return self._size - len(self._waiting)
-
-    @property
-    def least(self) -> float:
-        """Return the variance over that of white noise, less two of its standard errors."""
-        return self._ratio * max(1.0 - 2.0 / sqrt(self._count), 0.1)
-
-    def learn(self, forces: Sequence[float], white: float) -> bool:
-        """Add samples, no more than there is room for; return whether a sum is complete."""
+    def learn(self, forces: Sequence[float], white: float) -> None:
+        """Add samples, of which a whole number of times make a sum."""
         self._waiting.extend(forces)
-        if self.room:
-            return False
+        if len(self._waiting) < self._size:
+            return
         self._sums = [*self._sums[-2:], sum(self._waiting)]
         self._waiting.clear()
         if len(self._sums) == 3:
@@ -70,7 +71,7 @@ class _Scale:
                 bend = self._sums[2] - 2.0 * self._sums[1] + self._sums[0]
                 square = bend * bend / (SECOND * self._size * white)
                 most = CLIPPED_SQUARE * max(self._ratio, 1.0)
-                self._ratio += (min(square, most) - self._ratio) / self._count
+                self._ratio += ((square if square < most else most) - self._ratio) / self._count
             else:  # a sensor without noise has none that is coloured
                 self._ratio = 1.0
-        return True
+            self.least = self._ratio * max(1.0 - 2.0 / sqrt(self._count), _LEAST_SHARE)

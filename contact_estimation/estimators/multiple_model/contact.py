@@ -10,7 +10,7 @@ from math import exp, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .colour import Colour, SECOND
+from .colour import Colour, FINEST, SECOND
 from .constants import (
     CLIP, CLIPPED_SQUARE, LEVEL_WALK, NOISE_SAMPLES, RELEASE, SEGMENT_S, SHIFT, SLOPE_STD,
     STIFFEST, TOUCH)
@@ -115,19 +115,14 @@ class ContactFilter:
         dt: time since the sample before each [s]
         force, x: pressing force [N] and position [m]
         surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
+        Returns count: number of samples judged
         """
-        before, places, done = self.state, _places(x, surface, std), 0
-        if before != FREE:
-            done = self._judge(dt, force, x, places)
-        while self.state == before == FREE and done < len(force):
-            end = done + self._colour.room
-            count = self._judge(dt[done:end], force[done:end], x[done:end], places[done:end])
-            white = self._noise[0]
-            self._colour.learn(force[done:done + count], white if white > self._least else 0.0)
-            done += count
+        before = self.state
+        judge = (self._in_free_flight, self._in_contact, self._in_neither)[before]
+        count = judge(dt, force, x, _places(x, surface, std))
         if self.state != before:
             self._begin_state()
-        return done
+        return count
 
     def _begin_state(self) -> None:
         """Forget what tests have collected; a level that steps does so by as much as a force."""
@@ -135,43 +130,31 @@ class ContactFilter:
         self._segment.clear()
         self._stepped = self.level, (self._noise[1] - self.level) ** 2
 
-    def _judge(self, dt: Floats, force: Floats, x: Floats, places: Floats) -> int:
-        """Judge samples, up to and with the one that changes the state."""
-        noise = self._noise
-        variances = self._learn_noise(force)
-        judge = (self._in_free_flight, self._in_contact, self._in_neither)[self.state]
-        count = judge(dt, force, x, variances, places)
-        if count < len(force):
-            self._noise = noise
-            self._learn_noise(force[:count])
-        return count
-
-    def _learn_noise(self, forces: Floats) -> list[float]:
-        """Return the variance as known at each sample, from second differences."""
+    def _variance_with(self, force: float) -> float:
+        """Return the variance of the noise as known with a sample, from second differences."""
         variance, last, before, equal, learned = self._noise
-        least, variances = self._least, []
-        for force in forces:
+        equal = equal + 1 if force == last else 0
+        if equal < _SAME:
             bend = force - 2.0 * last + before
-            equal = equal + 1 if force == last else 0
-            before, last = last, force
-            if equal < _SAME:
-                square, most = bend * bend / SECOND, CLIPPED_SQUARE * variance
-                if learned < NOISE_SAMPLES:
-                    learned += 1
-                variance += ((square if square < most else most) - variance) / learned
-                variance = variance if variance > least else least
-            variances.append(variance)
-        self._noise = variance, last, before, equal, learned
-        excess = self._colour.excess
-        return variances if excess == 1.0 else [excess * white for white in variances]
+            square, most = bend * bend / SECOND, CLIPPED_SQUARE * variance
+            if learned < NOISE_SAMPLES:
+                learned += 1
+            variance += ((square if square < most else most) - variance) / learned
+            variance = variance if variance > self._least else self._least
+        self._noise = variance, force, last, equal, learned
+        return variance * self._colour.excess
 
-    def _in_free_flight(
-        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
-    ) -> int:
+    def _in_free_flight(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         up, down, level, level_variance = self._up, self._down, self.level, self.level_variance
         walk, count, onset = LEVEL_WALK * LEVEL_WALK, 0, self.onset
-        for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
+        variance_with, colour, waiting = self._variance_with, self._colour, self._colour.waiting
+        for dt, force, x, place in zip(dts, forces, xs, places):
             count += 1
+            variance = variance_with(force)
+            waiting.append(force)
+            if len(waiting) == FINEST:
+                white = self._noise[0]
+                colour.learn(white if white > self._least else 0.0)
             if up == 0.0:
                 onset = x
             deviation, pressing = sqrt(variance + level_variance), force - level
@@ -199,13 +182,12 @@ class ContactFilter:
         self.onset = onset
         return count
 
-    def _in_contact(
-        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
-    ) -> int:
+    def _in_contact(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         up, down, level, segment = self._up, self._down, self.level, self._segment
         seconds, count, kept = segment.seconds, 0, 0
-        for dt, force, variance, place in zip(dts, forces, variances, places):
+        for dt, force, place in zip(dts, forces, places):
             count += 1
+            variance = self._variance_with(force)
             z = (force - level) / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
             down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if z > _PRESSES else 0.0)
@@ -233,13 +215,12 @@ class ContactFilter:
         self._up, self._down = up, down
         return count
 
-    def _in_neither(
-        self, dts: Floats, forces: Floats, xs: Floats, variances: Floats, places: Floats
-    ) -> int:
+    def _in_neither(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         """Judge samples by the level as known, and by one that has stepped to the force since."""
         count, segment = 0, self._segment
-        for dt, force, x, variance, place in zip(dts, forces, xs, variances, places):
+        for dt, force, x, place in zip(dts, forces, xs, places):
             count += 1
+            variance = self._variance_with(force)
             z = (force - self.level) / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
             self._down = max(self._down + 2.0 - abs(z), 0.0)
@@ -299,6 +280,8 @@ def _places(x: Floats, surface: float, std: float) -> Floats:
     if surface != surface:
         return [0.0] * len(x)
     reach = std + 3e-5
+    if len(x) == 1:
+        return (_place((x[0] - surface) / reach),)
     if (min(x) - surface) / reach >= _INSIDE:
         return [_FAR_INSIDE] * len(x)
     if (max(x) - surface) / reach <= -_OUTSIDE:

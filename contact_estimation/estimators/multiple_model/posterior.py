@@ -164,7 +164,8 @@ class WallPosterior:
         t, force, x, v (N,): as of `take`
         """
         blocks, contact, ahead = self.blocks, self.contact, Backlog(t, force, x, v)
-        table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
+        table, done = np.zeros((len(t), 6)), 0
+        table[:, :3].T[:] = force, x, v
         while done < len(t):
             end = ahead.steady_until(done, blocks)
             if self._work is not None or end - done < _FEW:

@@ -118,19 +118,43 @@ class Forces(NamedTuple):
     x: Array
 
 
+class AxisState(NamedTuple):
+    """What checks read of a pipeline, which has gone on before the last of them judges."""
+
+    location: float  # of the surface [m]; NaN before it is known
+    margin: float  # how far from its location the surface may be [m]
+    # shift, surface_std: where it was found less where it is configured, with deviation [m]
+    shift: float
+    surface_std: float
+    surface_text: str  # where it is, if it is not where it is configured
+    is_shown: bool  # whether contact has shown the surface
+    contact: bool
+    neither: bool  # whether the force is neither that of free flight nor that of the wall
+    valid: bool  # whether the stiffness is known
+    bias: float  # force that a tare subtracts [N]
+    noise_std: float  # of the force in free flight [N]
+    period_s: float  # of the samples, 0 before it is known [s]
+    has_rows: bool  # whether an estimator runs that is built for a sample rate
+    misfit: str  # why no law fits
+
+    @classmethod
+    def of(cls, pipeline: Any) -> AxisState:
+        """Return the state now."""
+        surface, posterior = pipeline.surface, pipeline.posterior
+        return cls(
+            surface.location, surface.margin, surface.shift, surface.std, surface.text,
+            surface.is_shown, pipeline.contact, posterior.contact.state == NEITHER,
+            posterior.known.valid, pipeline.bias, posterior.contact.noise_std, posterior.period_s,
+            pipeline.estimator is not None, pipeline.model_fit.now.text)
+
+
 @dataclass(frozen=True)
 class Evidence:
-    """
-    The last seconds of one axis.
-
-    Of the pipeline, checks read `surface`, `bias`, `contact`, `estimator`, of `posterior` the
-    noise, level and state of the contact, `known.valid` and `period_s`, and
-    `model_fit.now.text`, and nothing else.
-    """
+    """The last seconds of one axis."""
 
     axis: str  # its name
     parameters: EstimationParameters  # all parameters
-    pipeline: Any  # state of the axis, read only
+    state: AxisState  # at the end of the samples
     # t, x, v, force (N,): time [s], position [m], rate [m/s] (NaN where not measured) and F_e less
     # the bias [N], that of a tare and that of `physics.force_bias`
     t: Array
@@ -152,9 +176,9 @@ class Evidence:
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_state(cls, axis: str, parameters: EstimationParameters, pipeline: Any) -> Evidence:
+    def of_state(cls, axis: str, parameters: EstimationParameters, state: AxisState) -> Evidence:
         """Return evidence without samples, for checks of the state of a pipeline."""
-        return cls(axis, parameters, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
+        return cls(axis, parameters, state, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
                    np.zeros(0, dtype=np.bool_))
 
     # -- the pipeline -----------------------------------------------------------------------
@@ -162,27 +186,12 @@ class Evidence:
     @property
     def location(self) -> float:
         """Return the location of the surface [m]; NaN before it is known."""
-        return float(self.pipeline.surface.location)
-
-    @property
-    def location_margin(self) -> float:
-        """Return how far from its location the surface may be [m]."""
-        return float(self.pipeline.surface.margin)
-
-    @property
-    def neither(self) -> bool:
-        """Return whether the force now is neither that of free flight nor that of the wall."""
-        return bool(self.pipeline.posterior.contact.state == NEITHER)
+        return self.state.location
 
     @property
     def bias(self) -> float:
         """Return the force that a tare and the parameters subtract [N]."""
-        return bias_of(self.axis, self.parameters, self.pipeline)
-
-    @property
-    def noise_std(self) -> float:
-        """Return the noise of the force in free flight [N]."""
-        return float(self.pipeline.posterior.contact.noise_std)
+        return bias_of(self.axis, self.parameters, self.state)
 
     # -- the samples ------------------------------------------------------------------------
 
@@ -286,10 +295,10 @@ class Evidence:
         return bursts_of(self.wrench_t if len(self.wrench_t) else self.t)
 
 
-def bias_of(axis: str, parameters: EstimationParameters, pipeline: Any) -> float:
+def bias_of(axis: str, parameters: EstimationParameters, state: AxisState) -> float:
     """Return the force that a tare and `physics.force_bias` subtract [N]."""
     declared = float(parameters.of_axis(axis).physics.force_bias.bias)
-    return float(pipeline.bias) + (declared if declared == declared else 0.0)
+    return state.bias + (declared if declared == declared else 0.0)
 
 
 def rate_of(values: Array, t: Array) -> Array:

@@ -168,10 +168,10 @@ class ForceNoise(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the noise with the configured one."""
-        ratio = seen.noise_std / seen.configured_noise
+        noise, ratio = seen.state.noise_std, seen.state.noise_std / seen.configured_noise
         if ratio < _NOISY:
             return ''
-        return (f'force noise of {seen.noise_std:.3g} N, {ratio:.3g} times contact.force_noise; '
+        return (f'force noise of {noise:.3g} N, {ratio:.3g} times contact.force_noise; '
                 'check the sensor, its cable and its shield, or correct contact.force_noise')
 
 
@@ -189,7 +189,7 @@ class ForceBias(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""
         free = seen.free
-        if free.sum() < _LEAST_FREE or seen.neither:
+        if free.sum() < _LEAST_FREE or seen.state.neither:
             return None
         if seen.parameters.force_sensor.zero == TRACKED:
             return ''
@@ -228,7 +228,7 @@ def _slope_by_least_force(seen: Evidence) -> float:
 
 def _level_outside(seen: Evidence) -> float:
     """Return the steady force before the wall, such as a weight left by a wrong sign, or 0 [N]."""
-    force = seen.force[seen.x < seen.location - seen.location_margin]
+    force = seen.force[seen.x < seen.location - seen.state.margin]
     steady = len(force) >= _LEAST_FREE and spread_of(force) < CLEAR * seen.noise
     return median_of(force) if steady else 0.0
 
@@ -267,7 +267,7 @@ class Surface(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return what the contact has shown."""
-        return str(seen.pipeline.surface.text)
+        return seen.state.surface_text
 
 
 class SurfaceShifted(Check):
@@ -281,10 +281,10 @@ class SurfaceShifted(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return the shift that the contact has shown."""
-        shift = seen.pipeline.surface.shift
+        shift = seen.state.shift
         environment = seen.parameters.of_axis(seen.axis).environment
-        notable = max(_NOTABLE * environment.location_std, 3.0 * seen.pipeline.surface.std)
-        if abs(shift) <= notable or seen.pipeline.surface.text:
+        notable = max(_NOTABLE * environment.location_std, 3.0 * seen.state.surface_std)
+        if abs(shift) <= notable or seen.state.surface_text:
             return ''
         return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
                 f'{environment.location + shift:.6g} m')
@@ -298,16 +298,16 @@ class SurfaceUnchecked(Check):
                'environment.location; touch down again or excite')
     cause = 'The tool rests: any spring through its point fits.'
     remedy = 'Touch down again, or excite.'
+    of_state = True
     confirmations = 2  # just after a touch the motion has had no time to show it
 
     def judge(self, seen: Evidence) -> str:
         """Return what the present contact has not shown."""
-        pipeline = seen.pipeline
-        if not pipeline.contact:
+        if not seen.state.contact:
             return ''
-        if not pipeline.posterior.known.valid:
+        if not seen.state.valid:
             return 'the motion does not show stiffness and surface yet; touch down again or excite'
-        return '' if pipeline.surface.is_shown else self.message
+        return '' if seen.state.is_shown else self.message
 
 
 class ModelMismatch(Check):
@@ -322,4 +322,4 @@ class ModelMismatch(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return the judgement of the monitor."""
-        return str(seen.pipeline.model_fit.now.text)
+        return seen.state.misfit

@@ -14,7 +14,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Array, bias_of, BLOCKS, Check, Evidence, Forces, Warned
+from .check import Array, AxisState, bias_of, BLOCKS, Check, Evidence, Forces, Warned
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
     Surface, SurfaceShifted, SurfaceUnchecked)
@@ -56,7 +56,7 @@ class Pending:
 
     def extend(self, *columns: NDArray[Any]) -> None:
         """Add many rows."""
-        self.numbers.frombytes(np.stack(columns, axis=1, dtype=float).tobytes())
+        self.numbers.frombytes(np.array(columns, float).T.tobytes())
 
     def drop(self, count: int) -> None:
         """Take back the last rows."""
@@ -141,7 +141,7 @@ class EvidenceWindow:
         return touched
 
     def evidence(
-        self, axis: str, parameters: EstimationParameters, pipeline: Any,
+        self, axis: str, parameters: EstimationParameters, state: AxisState,
         joints: Sequence[float], limits: Mapping[int, tuple[str, float, float]],
     ) -> Evidence:
         """Return the evidence of an axis; parameters as of `Evidence`."""
@@ -150,8 +150,8 @@ class EvidenceWindow:
         table = np.concatenate(self._others)
         begin = stamps[0]
         return Evidence(
-            axis, parameters, pipeline, (stamps - begin) * 1e-9, x, v,
-            force - bias_of(axis, parameters, pipeline),
+            axis, parameters, state, (stamps - begin) * 1e-9, x, v,
+            force - bias_of(axis, parameters, state),
             touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
             (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
 
@@ -246,7 +246,7 @@ class InputChecks:
         for pending, sample, estimate in zip(samples, axes, estimates):
             pending.numbers.extend((*sample, estimate[7] is not FREE))
         if len(samples[0].numbers) >= 5 * self.due:
-            self._judge_next(axes[0][0])
+            self._judge_next(axes[0][0], 1)
 
     def add_many(
         self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
@@ -259,18 +259,21 @@ class InputChecks:
         columns (N,): position [m], rate [m/s] and force [N], for each axis
         """
         self._window.add_many(stamps_ns, columns, estimates)
-        if not self.room:
-            self._judge_next(int(stamps_ns[-1]))
+        count = len(self._window.samples[0]) + 1 - self.due
+        if count > 0:
+            self._judge_next(int(stamps_ns[-1]), count)
 
     @property
     def room(self) -> int:
-        """Return the number of samples after which there is something to judge."""
-        return max(self.due - len(self._window.samples[0]), 0)
+        """Return the number of samples after which evidence is collected or a verdict is told."""
+        return self.due - len(self._window.samples[0]) + max(len(self._waiting) - 1, 0)
 
-    def _judge_next(self, stamp_ns: int) -> None:
-        """Judge a check that waits, or collect the evidence of a block that ends at a stamp."""
+    def _judge_next(self, stamp_ns: int, count: int) -> None:
+        """Do steps that wait, one a sample, or close the block that ends at a stamp."""
         if self._waiting:
-            self._waiting.popleft()()
+            with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
+                for _ in range(count):
+                    self._waiting.popleft()()
         else:
             self._stamp_ns = stamp_ns
             if self._window.close_block(stamp_ns):
@@ -279,15 +282,19 @@ class InputChecks:
             # The window holds four blocks: each sample is judged at least once.
             if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):
                 self._blocks, self._quiet = 0, 0 if self._active else self._quiet + 1
-                self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
-        self.due = len(self._window.samples[0]) + 1 if self._waiting else self._window.block
+                self._collect(*self._pipelines)
+        after = len(self._window.samples[0]) + 1
+        self.due = after if self._waiting else max(after, self._window.block)
 
-    def _collect(self, axis: str) -> None:
+    def _collect(self, axis: str, *later: str) -> None:
+        """Collect the evidence of an axis, of which checks tell their verdict before the next."""
         seen = self._window.evidence(
-            axis, self._p, self._pipelines[axis], self.joints, self.limits)
+            axis, self._p, AxisState.of(self._pipelines[axis]), self.joints, self.limits)
         for check in CHECKS:
-            self._waiting.extend(partial(stage, seen) for stage in check.stages)
-            self._waiting.append(partial(self._judge, seen, check))
+            if not check.of_state:
+                self._waiting.extend(partial(stage, seen) for stage in check.stages)
+                self._waiting.append(partial(self._judge, seen, check))
+        self._waiting.append(partial(self._tell, axis, *later))
 
     def warnings(self) -> list[Warned]:
         """Return the active warnings, the most important first."""
@@ -295,8 +302,9 @@ class InputChecks:
         for check in CHECKS:
             for axis, pipeline in self._pipelines.items():
                 text = self._text(check, axis)
-                if check.of_state:
-                    text = check.judge(Evidence.of_state(axis, self._p, pipeline)) or ''
+                if check.of_state and (text or check.confirmations == 1):
+                    seen = Evidence.of_state(axis, self._p, AxisState.of(pipeline))
+                    text = check.judge(seen) or ''
                 if text:
                     where = f'axis {axis}: ' if len(self._pipelines) > 1 else ''
                     active.append(Warned(check.name, axis, where + text, check.invalidates))
@@ -324,22 +332,26 @@ class InputChecks:
         return text if count >= check.confirmations else ''
 
     def _judge(self, seen: Evidence, check: Check) -> None:
-        with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
-            self._note(check, seen.axis, check.judge(seen))
-        if check is CHECKS[-1]:
-            invalid = [self._text(one, seen.axis) for one in CHECKS
-                       if one.invalidates and not one.of_state]
-            seen.pipeline.publication.invalid = next(filter(None, invalid), '')
-
-    def _note(self, check: Check, axis: str, text: str | None) -> None:
+        text, key = check.judge(seen), (check.name, seen.axis)
         if text is None:
             return
-        key = check.name, axis
         if not text:
             self._active.pop(key, None)
             return
         self._active[key] = text, self._active.get(key, ('', 0))[1] + 1
-        if self._text(check, axis):
+        if self._text(check, seen.axis):
             first_ns = self.found[key].first_ns if key in self.found else self._stamp_ns
             self.found[key] = Found(
-                Warned(check.name, axis, text, check.invalidates), first_ns, self._stamp_ns)
+                Warned(check.name, seen.axis, text, check.invalidates), first_ns, self._stamp_ns)
+
+    def _tell(self, axis: str, *later: str) -> None:
+        """Judge the state now, withhold estimates or allow them, and go on with the next axis."""
+        pipeline = self._pipelines[axis]
+        seen = Evidence.of_state(axis, self._p, AxisState.of(pipeline))
+        for check in CHECKS:
+            if check.of_state:
+                self._judge(seen, check)
+        invalid = [self._text(check, axis) for check in CHECKS if check.invalidates]
+        pipeline.publication.invalid = next(filter(None, invalid), '')
+        if later:
+            self._collect(*later)

@@ -14,7 +14,7 @@ is subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
 from __future__ import annotations
 
 from math import log
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +54,7 @@ class StampSkew(Check):
               'joint states), or synchronise the clocks.')
     invalidates = True
     confirmations = 2
-    stages = (lambda seen: _run_quietly(_noise, seen), lambda seen: _run_quietly(_averaged, seen),
-              lambda seen: _run_quietly(_nearest, seen))
+    stages = (lambda seen: _noise(seen), lambda seen: _averaged(seen), lambda seen: _nearest(seen))
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact."""
@@ -199,12 +198,6 @@ def _noise(seen: Evidence) -> tuple[float, ...]:
     return seen.noise, seen.position_noise, seen.rate_noise
 
 
-def _run_quietly(stage: Callable[[Evidence], object], seen: Evidence) -> None:
-    """Do a stage without warnings of numpy: squares of huge values are no evidence."""
-    with np.errstate(all='ignore'):
-        stage(seen)
-
-
 def _averaged(seen: Evidence) -> _Means | None:
     """Return the means of contact, found once; None without contact or motion."""
     instant, means = seen.memory.get('means', (None, None))
@@ -252,7 +245,7 @@ def _means(seen: Evidence) -> _Means | None:
     return _Means(
         _of_blocks(y, size).mean(1)[usable], t[usable],
         _of_blocks(acceleration, size).mean(1)[usable], moving[0], moving[1] + 1j * moving[2],
-        variances, white, max(seen.noise_std, 1e-9)**2 / size)
+        variances, white, max(seen.state.noise_std, 1e-9)**2 / size)
 
 
 def _known_mass(seen: Evidence) -> float:

@@ -99,7 +99,7 @@ class ZeroSteps(Check):
     @staticmethod
     def _noted(seen: Evidence) -> list[ZeroStep]:
         """Add the samples of free flight to those before, and return the steps in them."""
-        free = seen.free | (seen.x < seen.location - seen.location_margin)
+        free = seen.free | (seen.x < seen.location - seen.state.margin)
         t, force = seen.start_s + seen.t[free], seen.force[free]
         bias, before_t, before = seen.memory.get('free_flight', (seen.bias, t[:0], force[:0]))
         old = before_t < (t[0] if len(t) else np.inf)
@@ -132,10 +132,10 @@ class JointRate(Check):
         rate, cutoff = seen.joint_rate, seen.parameters.conditioning.cutoff_frequency
         if rate != rate:
             return None
-        if seen.pipeline.estimator is None:
+        if not seen.state.has_rows:
             return ''  # its kernel follows the rate
         needed = _FEWEST_PER_CUTOFF * cutoff
-        if cutoff == 0.0 or rate >= needed or rate * seen.pipeline.posterior.period_s >= _SLOWER:
+        if cutoff == 0.0 or rate >= needed or rate * seen.state.period_s >= _SLOWER:
             return ''
         return (f'joint states come at {rate:.3g} Hz, but the filter passes {cutoff:g} Hz; '
                 f'publish them at {needed:.3g} Hz or more, or lower '
@@ -154,9 +154,9 @@ class SampleRate(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the spacing of the stamps with the nominal one."""
-        rate, period = seen.parameters.sample_rate, seen.pipeline.posterior.period_s
+        rate, period = seen.parameters.sample_rate, seen.state.period_s
         if (period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF
-                or seen.pipeline.estimator is None):  # it measures the rate
+                or not seen.state.has_rows):  # it measures the rate
             return ''
         dropped = ', or find why samples are dropped' if period * rate > 1.0 else ''
         return (f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct '
@@ -267,7 +267,7 @@ class PositionUnit(Check):
         fast = int(0.95 * len(speeds))
         speed = float(np.partition(speeds, fast)[fast])
         depth = float(np.max(seen.x[seen.contact] - seen.location, initial=0.0))
-        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.surface.text):
+        if not (speed > _FASTEST or depth > _DEEPEST and not seen.state.surface_text):
             return ''
         unit = 'joint states in radians' if seen.is_arm else 'positions in metres'
         return (f'the contact axis moves at up to {speed:.3g} m/s, {depth:.3g} m into the wall: '
