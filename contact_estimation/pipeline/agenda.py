@@ -3,8 +3,6 @@
 
 """What waits for its sample: actions, and the references that the robot follows."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Callable
 

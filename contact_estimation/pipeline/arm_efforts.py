@@ -3,8 +3,6 @@
 
 """The joint states of an arm without a force sensor as inputs of a session."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """From the raw messages of an arm to the inputs of a session: joint states, tf, description."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from itertools import repeat
 from math import nan

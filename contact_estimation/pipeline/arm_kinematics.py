@@ -3,8 +3,6 @@
 
 """The kinematics of the configured arm, from its description or from the frames of tf."""
 
-from __future__ import annotations
-
 from typing import Any, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 import numpy as np
@@ -29,7 +27,7 @@ NO_TRANSFORMS = (
 )
 
 
-def check_arm(parameters: EstimationParameters) -> None:
+def check_arm(parameters: 'EstimationParameters') -> None:
     """Check parameters of an arm that must be consistent with each other."""
     if abs(parameters.force_sign) != 1.0:
         raise ParameterRangeError(f'force_sign must be 1 or -1, got {parameters.force_sign:g}')
@@ -65,7 +63,7 @@ def check_arm(parameters: EstimationParameters) -> None:
         )
 
 
-def _check_efforts(parameters: EstimationParameters) -> None:
+def _check_efforts(parameters: 'EstimationParameters') -> None:
     sensor, pose = parameters.force_sensor, parameters.pose_source
     if not parameters.kinematics.tip or pose != 'joints':
         raise ParameterRangeError(
@@ -78,7 +76,7 @@ def _check_efforts(parameters: EstimationParameters) -> None:
             'out force_sensor.frame, force_sensor.rpy and force_sensor.axes')
 
 
-def kinematics_of(parameters: EstimationParameters, description: str) -> ContactKinematics:
+def kinematics_of(parameters: 'EstimationParameters', description: str) -> ContactKinematics:
     """Make the kinematics of an arm."""
     p = parameters
     model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
@@ -90,7 +88,7 @@ def kinematics_of(parameters: EstimationParameters, description: str) -> Contact
     return kinematics
 
 
-def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> ContactKinematics:
+def kinematics_of_frames(parameters: 'EstimationParameters', tree: FrameTree) -> ContactKinematics:
     """Make the kinematics of an arm whose poses are those of tf."""
     p = parameters
     model = TransformModel(tree, p.kinematics.base, p.kinematics.tip)
@@ -98,7 +96,7 @@ def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> C
         model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy, p.force_sensor.axes == 'base')
 
 
-def described_in_file(parameters: EstimationParameters) -> str:
+def described_in_file(parameters: 'EstimationParameters') -> str:
     """Return the robot description of the configured file."""
     path = parameters.robot_description_file
     return read_description(path, 'robot_description_file') if path else ''

@@ -3,8 +3,6 @@
 
 """What is published of an arm: its reference as a full pose, the wrench without the tool."""
 
-from __future__ import annotations
-
 from collections import deque
 from math import inf, isfinite
 from typing import NamedTuple, Sequence

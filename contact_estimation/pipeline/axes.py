@@ -3,8 +3,6 @@
 
 """The pipelines of all axes, the full matrices, and the results for one sample."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Any, NamedTuple
 

@@ -3,8 +3,6 @@
 
 """From the samples of one axis to its estimates: the path of node, replay and off-line runs."""
 
-from __future__ import annotations
-
 from itertools import repeat
 from math import nan
 from typing import Iterable

@@ -3,8 +3,6 @@
 
 """Estimates as CSV, MCAP and as a figure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Mapping, Sequence

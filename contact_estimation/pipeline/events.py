@@ -3,8 +3,6 @@
 
 """Events that change a running estimation, as text that is recorded and replayed."""
 
-from __future__ import annotations
-
 import json
 from math import isfinite
 from typing import Any, Mapping, NamedTuple

@@ -3,8 +3,6 @@
 
 """Where the first contact began, where nobody has said it and known forces act beside the wall."""
 
-from __future__ import annotations
-
 from collections import deque
 from math import hypot, inf
 from operator import itemgetter

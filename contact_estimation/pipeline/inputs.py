@@ -3,8 +3,6 @@
 
 """Raw messages, in the order of their stamps, as inputs of a session for all its axes."""
 
-from __future__ import annotations
-
 from collections import Counter
 from operator import itemgetter
 from typing import Any, Callable, Iterable, Iterator, Sequence

@@ -27,8 +27,6 @@ to K_hat and B_hat is propagated along the motion, see `LastingError`.
 
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple, Sequence
 
 import numpy as np

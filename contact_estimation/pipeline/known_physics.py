@@ -3,8 +3,6 @@
 
 """What the posterior of the wall sees of a sample from which known physics are taken."""
 
-from __future__ import annotations
-
 from math import nan
 
 from .parameters import EstimationParameters

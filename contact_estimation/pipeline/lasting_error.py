@@ -3,8 +3,6 @@
 
 """What an error of the force that lasts, unlike noise, does to K_hat and B_hat."""
 
-from __future__ import annotations
-
 from math import hypot, nan
 from typing import Sequence
 

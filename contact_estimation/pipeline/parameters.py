@@ -3,8 +3,6 @@
 
 """All parameters of on-line estimation, each declared once."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import hypot, nan
 from typing import Any
@@ -242,7 +240,7 @@ class EstimationParameters(ParameterGroup):
         """Topic from which positions come."""
         return 'tf' if self.pose_source == 'tf' else 'joint_states'
 
-    def of_axis(self, axis: str) -> EstimationParameters:
+    def of_axis(self, axis: str) -> 'EstimationParameters':
         """
         Return the parameters of one axis: its own surface location, all else shared.
 

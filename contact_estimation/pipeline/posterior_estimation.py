@@ -3,8 +3,6 @@
 
 """The estimate where the posterior of the wall itself is the estimator."""
 
-from __future__ import annotations
-
 from math import nan
 
 from .parameters import EstimationParameters

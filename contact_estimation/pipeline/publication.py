@@ -3,8 +3,6 @@
 
 """From K_hat and B_hat as estimated to what an estimate publishes of the wall."""
 
-from __future__ import annotations
-
 from math import nan
 
 from .lasting_error import LastingError

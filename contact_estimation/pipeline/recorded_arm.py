@@ -3,8 +3,6 @@
 
 """An arm in recordings: its parameters, its description and the signals of its contact axis."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import repeat
 from math import isnan, nan

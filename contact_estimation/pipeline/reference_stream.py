@@ -3,8 +3,6 @@
 
 """The reference that accompanies each sample, from the planner's setpoints and the estimate."""
 
-from __future__ import annotations
-
 from bisect import bisect_left, insort
 from collections import Counter, deque
 from math import inf, isfinite, isnan, nan

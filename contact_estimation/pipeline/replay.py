@@ -3,8 +3,6 @@
 
 """Off-line re-estimation: a recording replayed through the session that the node runs."""
 
-from __future__ import annotations
-
 from collections import deque
 from functools import partial
 from math import nan

@@ -3,8 +3,6 @@
 
 """The estimators of the paper and their kin, on the contact that the posterior has found."""
 
-from __future__ import annotations
-
 from math import isfinite, nan, sqrt
 
 from .parameters import EstimationParameters

@@ -3,8 +3,6 @@
 
 """On-line estimation without ROS: synchronised samples, estimates and reference."""
 
-from __future__ import annotations
-
 from collections import Counter
 from math import nan
 from typing import Any, Callable, Mapping, Sequence

@@ -3,8 +3,6 @@
 
 """Where the surface is nominally, configured or taken at the first touch, and as found."""
 
-from __future__ import annotations
-
 from math import nan
 
 from .checks.check import millimetres

@@ -3,8 +3,6 @@
 
 """The zero of a force sensor that drifts, from all free flights of a recording."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

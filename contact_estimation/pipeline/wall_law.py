@@ -3,8 +3,6 @@
 
 """The laws of a contact in words: their probabilities, and whether any of them fits."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import NamedTuple, Sequence
 

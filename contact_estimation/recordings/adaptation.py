@@ -3,8 +3,6 @@
 
 """Foreign messages and stamps as those that the package expects."""
 
-from __future__ import annotations
-
 from math import nan
 import re
 from struct import pack

@@ -3,8 +3,6 @@
 
 """Recordings from arrays and to arrays: signals by the names of the columns of a table."""
 
-from __future__ import annotations
-
 from math import isnan, nan
 from os import PathLike
 from pathlib import Path

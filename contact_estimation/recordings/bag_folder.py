@@ -3,8 +3,6 @@
 
 """A rosbag2 folder: its files, and its metadata.yaml, version 9 (ROS 2 Jazzy)."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 import hashlib

@@ -11,8 +11,6 @@ Alignment bytes have no meaning and may hold anything.
 
 """
 
-from __future__ import annotations
-
 from operator import itemgetter
 import struct
 from typing import Any, Callable, Sequence, TypeVar

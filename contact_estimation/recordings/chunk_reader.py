@@ -3,8 +3,6 @@
 
 """Messages of chunks, and the channels that say which messages are wanted."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from io import BytesIO
 from struct import Struct

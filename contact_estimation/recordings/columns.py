@@ -3,8 +3,6 @@
 
 """Columns of tables as signals of the contract: found by name, in SI units."""
 
-from __future__ import annotations
-
 import re
 from shlex import quote
 from typing import Mapping, Sequence

@@ -3,8 +3,6 @@
 
 """Raw messages to plain numbers, independent of any message package."""
 
-from __future__ import annotations
-
 from functools import partial
 from operator import attrgetter
 from struct import unpack_from

@@ -3,8 +3,6 @@
 
 """Numbers to raw messages, as little-endian CDR, and the definitions of their types."""
 
-from __future__ import annotations
-
 import functools
 from functools import lru_cache
 from struct import Struct

@@ -3,8 +3,6 @@
 
 """Messages, topics and metadata of one MCAP file, complete, cut, or still growing."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from copy import copy
 from functools import cached_property

@@ -3,8 +3,6 @@
 
 """The records of an MCAP file: by its summary, or one after the other across damage and cuts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from io import BytesIO
 import re

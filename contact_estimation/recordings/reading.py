@@ -3,8 +3,6 @@
 
 """Reading recordings of any length, also those whose recorder was killed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Collection, Iterator
 

@@ -3,8 +3,6 @@
 
 """Recordings that only the package rosbags reads: SQLite, and what rosbag2 compresses itself."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from functools import cached_property, partial
 from pathlib import Path

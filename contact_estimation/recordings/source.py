@@ -3,8 +3,6 @@
 
 """Where and how a recording is read: topics by role, with and without leading slash."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 import difflib
 import json

@@ -3,8 +3,6 @@
 
 """Tables as recordings: rows become messages, messages become rows."""
 
-from __future__ import annotations
-
 import csv
 from functools import partial
 from math import isnan, nan, prod

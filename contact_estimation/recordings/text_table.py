@@ -3,8 +3,6 @@
 
 """Text with one sample a line: any delimiter, decimal mark and encoding of spreadsheets."""
 
-from __future__ import annotations
-
 from collections import Counter
 import csv
 from itertools import islice

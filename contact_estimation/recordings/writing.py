@@ -3,8 +3,6 @@
 
 """Writing recordings, a rosbag2 folder or a single MCAP file, in chunks that survive a kill."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from pathlib import Path
 import threading

@@ -3,8 +3,6 @@
 
 """From the samples of one axis to what a wall can have caused: bias, known physics, outliers."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 from math import exp, nan, sqrt

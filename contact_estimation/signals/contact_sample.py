@@ -3,8 +3,6 @@
 
 """Motion and force at one instant, as recorded, and with known physics compensated."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Iterator, NamedTuple, Protocol, Sequence
 

@@ -3,8 +3,6 @@
 
 """The low-pass filter of all signals, and smoothed rates for accelerations."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import pi, sqrt, tan
 from typing import Sequence

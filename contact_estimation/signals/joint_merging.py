@@ -3,8 +3,6 @@
 
 """Joint states that come in several messages, merged into one motion of all joints."""
 
-from __future__ import annotations
-
 from collections import deque
 from math import pi
 from typing import Sequence

@@ -9,8 +9,6 @@ not hold at this instant. The row is gated and filtered afterwards, all columns 
 neither the touch-down nor the filter biases the estimate. y is the pressing force -F_e.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from math import ceil, pi, sqrt
 from typing import Sequence

@@ -8,8 +8,6 @@ Doubtful stamps, stamps in bursts, samples of two sources on one topic, a zero t
 
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import Any, Iterator, NamedTuple
 

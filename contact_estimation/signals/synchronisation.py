@@ -3,8 +3,6 @@
 
 """Pairing of wrenches and joint states by their stamps."""
 
-from __future__ import annotations
-
 from collections import Counter, deque
 from dataclasses import dataclass
 from itertools import repeat

@@ -3,8 +3,6 @@
 
 """What a check is, the evidence from which it decides, and robust statistics of it."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -138,7 +136,7 @@ class AxisState(NamedTuple):
     misfit: str  # why no law fits
 
     @classmethod
-    def of(cls, pipeline: Any) -> AxisState:
+    def of(cls, pipeline: Any) -> 'AxisState':
         """Return the state now."""
         surface, posterior = pipeline.surface, pipeline.posterior
         return cls(
@@ -176,7 +174,7 @@ class Evidence:
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_state(cls, axis: str, parameters: EstimationParameters, state: AxisState) -> Evidence:
+    def of_state(cls, axis: str, parameters: EstimationParameters, state: AxisState) -> 'Evidence':
         """Return evidence without samples, for checks of the state of a pipeline."""
         return cls(axis, parameters, state, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
                    np.zeros(0, dtype=np.bool_))

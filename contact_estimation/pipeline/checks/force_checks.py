@@ -3,8 +3,6 @@
 
 """Checks of force and contact: sign, axis, noise, bias, surface, fit of a law."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .check import (

@@ -3,8 +3,6 @@
 
 """The checks of a session on its last blocks of samples, judged once in 0.5 to 2 s."""
 
-from __future__ import annotations
-
 from array import array
 from collections import deque
 from functools import partial

@@ -11,8 +11,6 @@ Noise of position and rate would shrink K and B, which looks like a lag: its sha
 is subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
 """
 
-from __future__ import annotations
-
 from math import log
 from typing import Any, NamedTuple, Sequence
 

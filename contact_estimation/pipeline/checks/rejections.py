@@ -3,8 +3,6 @@
 
 """What rejected messages say about drivers and parameters."""
 
-from __future__ import annotations
-
 from typing import Callable, Mapping, NamedTuple
 
 

@@ -3,8 +3,6 @@
 
 """Checks of streams and joint states: sources, stamps, rates, a zero that steps, units."""
 
-from __future__ import annotations
-
 from typing import Mapping, Sequence
 
 import numpy as np
