@@ -67,6 +67,7 @@ class WallInference:
         self._replaced: list[tuple[int, Replaced]] = []
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
+        self._law = -1
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
@@ -141,7 +142,8 @@ class WallInference:
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
         if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
-            weights = weights * blocks.next_to_jumps(wall, self._contact.variance)
+            kept = blocks.next_to_jumps(wall, self._contact.variance)
+            weights = weights * (kept if self.rhythm.surprised else np.minimum.accumulate(kept))
         yield
         self._add((phi * weights) @ phi.T, phi)
         due = self.rhythm.is_due(surprise)
@@ -242,12 +244,13 @@ class WallInference:
             judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
-        change, law = None, int(what.law[still])
+        change, best = None, int(what.law[still])
+        law = self._law if self.rhythm.surprised and self._law >= 0 else best
         before = yield from sums.runs.before(
             sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior)
         if before is not None:
             yield
-            alone = float(judged.evidence[still] + prior[still % len(prior)])
+            alone = float(odds[still] - sums.odds[law])
             block_s = min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s
             change = yield from sums.runs.since(before, scene, alone, block_s)
             # A wall at rest may have changed instead of moving.
@@ -267,6 +270,8 @@ class WallInference:
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
+        if change is None or certain >= 0 or change.odds.max() < 0.0:
+            self._law = best if certain < 0 else -1
         if change is not None and certain >= 0:
             yield
             self._note_change(sums.commit(change, certain, law, scene, min(gap, 0.0)))

@@ -45,6 +45,11 @@ class Rhythm:
         return self._of_contact <= _EARLY or self.blocks <= SETTLED
 
     @property
+    def surprised(self) -> bool:
+        """Whether a block has been a surprise of late."""
+        return self._alert > 0
+
+    @property
     def length(self) -> int:
         """Length of the next block: 0 for a short one, 1 and 2 for longer ones."""
         if self.early or self._alert:
@@ -74,12 +79,15 @@ class Rhythm:
 
     def is_due(self, surprise: float) -> bool:
         """Return whether hypotheses are weighed now, by the mean square of the last block."""
+        first = surprise > SURPRISE and not self._alert
         if surprise > SURPRISE:
             self._alert, self._unsteady, self._since_s = _ALERT, _STEADY, 0.0
         else:
             self._alert = max(self._alert - 1, 0)
         if self.length:
             self._unsteady = max(self._unsteady - 1, 0)
+        if first and self._of_contact > 1 and self.blocks > SETTLED:
+            return False  # half of a jump: the next block shows what is after it
         if self._alert or self.blocks <= SETTLED or surprise > _DOUBTFUL:
             return True
         if self.followed:
@@ -89,7 +97,7 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
-_LEAST_BLOCKS = 2  # of another wall: one may hold half of a jump
+_LEAST_BLOCKS = 1
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 

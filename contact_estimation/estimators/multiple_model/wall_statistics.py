@@ -219,7 +219,7 @@ class WallStatistics:
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.surfaces = [(centre, std, STILL_THERE), (centre, max(self.depth, std), ELSEWHERE)]
-        if self._told == self._told:
+        if abs(self._told - centre) < OUTSIDE * (std + EXACT_SURFACE_M):
             self.surfaces.append((self._told, EXACT_SURFACE_M, 1.0 - STILL_THERE))
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
