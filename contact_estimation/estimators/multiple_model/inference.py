@@ -67,7 +67,9 @@ class WallInference:
         self._replaced: list[tuple[int, Replaced]] = []
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
-        self._law = -1
+        # Log odds of each law as last judged before something seems to have changed.
+        self._of_laws: Array | None = None
+        self._doubted = False
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
@@ -244,8 +246,10 @@ class WallInference:
             judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
-        change, best = None, int(what.law[still])
-        law = self._law if self.rhythm.surprised and self._law >= 0 else best
+        change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
+        if self._of_laws is None or not (self.rhythm.surprised or self._doubted):
+            self._of_laws = of_laws
+        law = int(np.argmax(self._of_laws[:MOVING]))
         before = yield from sums.runs.before(
             sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior)
         if before is not None:
@@ -269,12 +273,11 @@ class WallInference:
         self._report_knowledge(weights, judged, what, change, law, scene, of_same)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
-        certain = decided(change)
-        if change is None or certain >= 0 or change.odds.max() < 0.0:
-            self._law = best if certain < 0 else -1
+        certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0:
             yield
-            self._note_change(sums.commit(change, certain, law, scene, min(gap, 0.0)))
+            self._note_change(sums.commit(change, certain, self._of_laws, min(gap, 0.0)))
+            self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface()

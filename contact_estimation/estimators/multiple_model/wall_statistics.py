@@ -15,7 +15,7 @@ from .constants import (
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
-    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, NAMES, RATE, shifted_table)
+    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
 from .runs import Change, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
@@ -187,11 +187,11 @@ class WallStatistics:
 
     # -- changes ----------------------------------------------------------------------------
 
-    def commit(self, change: Change, best: int, law: int, scene: Scene, gap: float) -> Replaced:
+    def commit(self, change: Change, best: int, of_laws: Array, gap: float) -> Replaced:
         """
         Drop the wall before a change and return it; its laws and motion stay a prior.
 
-        law: index of the one that was judged
+        of_laws: log odds of each law before it
         gap: log odds of a moving wall, at most 0
         """
         centre, std = float(change.centre[best]), float(change.std[best])
@@ -202,11 +202,9 @@ class WallStatistics:
                             self.seconds, self.depth, centre - OUTSIDE * std)
         surface = self.surfaces[change.place[best]]
         if other:
-            evidence = judge(np.repeat(before[None], len(NAMES), axis=0), scene, hypotheses(
-                np.arange(len(NAMES)), [surface], self.scale)).evidence
-            self.odds = np.maximum(
-                self.odds + evidence - float(evidence[:MOVING].max()), LOG_PRIOR - _FARTHEST)
-            self._doubt(change, best, before, hypotheses(np.array([law]), [surface], self.scale))
+            law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
+            self.odds = np.maximum(of_laws - of_laws[law], LOG_PRIOR - _FARTHEST)
+            self._doubt(change, best, before, hypotheses(law, [surface], self.scale))
             self._go_on(gram, centre, std, gap)
         else:
             self.same = None
