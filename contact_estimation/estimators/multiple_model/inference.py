@@ -84,7 +84,8 @@ class WallInference:
     def scene(self) -> Scene:
         """Return what all hypotheses share now."""
         sums = self._sums
-        return Scene(sums.x0, sums.depth, sums.seconds, self.lag.lag)
+        return Scene(sums.x0, sums.depth, sums.seconds, self.lag.lag,
+                     self._contact.level_variance)
 
     @property
     def law(self) -> str:
