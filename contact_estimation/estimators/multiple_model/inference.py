@@ -277,7 +277,8 @@ class WallInference:
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0:
             yield
-            self._note_change(sums.commit(change, certain, self._of_laws, min(gap, 0.0)))
+            self._note_change(sums.commit(
+                change, certain, self._of_laws, scene, min(gap, 0.0)))
             self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])

@@ -9,6 +9,7 @@ from math import log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .constants import (
     CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
@@ -110,9 +111,8 @@ class Change(NamedTuple):
     # centre, std (N,): prior of its surface [m]
     centre: Array
     std: Array
-    # run, place (N,): index of the run, and of the surface before it
-    run: Ints
-    place: Ints
+    run: Ints  # (N,) index of the run
+    as_before: NDArray[np.bool_]  # (N,) whether the surface is the one before it
     # (N,) variance of a shift of the force where that is the change [N^2], 0 of another wall
     shift: Array
 
@@ -123,8 +123,7 @@ class Before(NamedTuple):
     used: Ints  # (N,) indices of the runs
     since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
-    place: Ints  # (N,) index of its surface: that which explained best what was before
-    what: Hypotheses  # (N,) which wall that is
+    what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
     gram: Array  # (16, 16) of all data
 
@@ -229,7 +228,7 @@ class Runs:
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
         return Before(used, since, Judged(
-            evidence.max(axis=1), judged.theta[best], judged.P[best]), place,
+            evidence.max(axis=1), judged.theta[best], judged.P[best]),
             Hypotheses(*(one[place] for one in what)), prior[place], gram)
 
     def since(
@@ -244,11 +243,8 @@ class Runs:
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
         """
-        used, since, judged, place, what, prior, gram = before
-        delta, variance = surfaces(judged)
-        reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
-        delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
-        near, near_std = scene.x0 + delta, np.sqrt(variance) + _KEPT_STD
+        used, since, judged, what, prior, gram = before
+        near, near_std = places(judged, scene)
         touches, doubts, again = np.array(self._touches)[used].T
         old = np.flatnonzero(np.array(self._ages)[used] >= _LEAST_BLOCKS)
         touched = old[touches[old] == touches[old]]  # the surface may be another one too
@@ -273,7 +269,9 @@ class Runs:
         odds = found.evidence - evidence + hazard
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
-        return Change(odds, found, centre, std, used[run], place[run], shift)
+        as_before = np.ones(len(run), bool)
+        as_before[len(old):len(old) + len(touched)] = False
+        return Change(odds, found, centre, std, used[run], as_before, shift)
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
@@ -283,6 +281,14 @@ class Runs:
         if not touched:
             self.changes += 1.0
         return gram
+
+
+def places(judged: Judged, scene: Scene) -> tuple[Array, Array]:
+    """Return where the surface is under each hypothesis, and its standard deviation [m]."""
+    delta, variance = surfaces(judged)
+    reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
+    delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
+    return scene.x0 + delta, np.sqrt(variance) + _KEPT_STD
 
 
 def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
