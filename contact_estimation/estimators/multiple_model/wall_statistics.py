@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import exp, inf, log, nan, sqrt
+from math import exp, hypot, inf, log, nan, sqrt
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -221,7 +221,7 @@ class WallStatistics:
         else:
             self.same = None
             self._go_on(shifted(gram + before, before[None], change.shift[best:best + 1])[0][0],
-                        [(centre, max(self.depth, std), 1.0)], gap)
+                        [(centre, hypot(std, sqrt(change.shift[best]) / self.scale), 1.0)], gap)
         return replaced
 
     def _go_on(
