@@ -98,7 +98,6 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
-_LEAST_BLOCKS = 1
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
@@ -215,8 +214,7 @@ class Runs:
         what: one law with each of its surfaces
         prior (M,): log prior of these
         """
-        again = np.array([touch.again for touch in self._touches], bool)
-        used = np.flatnonzero(np.array(self._ages) >= np.where(again, 1, _LEAST_BLOCKS))
+        used = np.flatnonzero(self._ages)
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
@@ -246,13 +244,12 @@ class Runs:
         used, since, judged, what, prior, gram = before
         near, near_std = places(judged, scene)
         touches, doubts, again = np.array(self._touches)[used].T
-        old = np.flatnonzero(np.array(self._ages)[used] >= _LEAST_BLOCKS)
-        touched = old[touches[old] == touches[old]]  # the surface may be another one too
-        within = old[touches[old] != touches[old]]  # the wall may be the same
-        same = np.concatenate([within, np.flatnonzero(again)])
-        run = np.concatenate([old, touched, same])
-        centre = np.concatenate([near[old], touches[touched], near[same]])
-        std = np.concatenate([near_std[old], doubts[touched], near_std[same]])
+        inside = touches != touches
+        touched = np.flatnonzero(~inside)  # the surface may be another one too
+        same = np.concatenate([np.flatnonzero(inside), np.flatnonzero(again)])  # the wall may be
+        run = np.concatenate([np.arange(len(used)), touched, same])
+        centre = np.concatenate([near, touches[touched], near[same]])
+        std = np.concatenate([near_std, doubts[touched], near_std[same]])
         rate = self.changes / self.seconds * block_s
         is_same = np.arange(len(run)) >= len(run) - len(same)
         hazard = np.where(touches[run] == touches[run], log(0.5 * NEW_WALL), np.log(
@@ -270,7 +267,7 @@ class Runs:
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
         as_before = np.ones(len(run), bool)
-        as_before[len(old):len(old) + len(touched)] = False
+        as_before[len(used):len(used) + len(touched)] = False
         return Change(odds, found, centre, std, used[run], as_before, shift)
 
     def commit(self, run: int) -> Array:

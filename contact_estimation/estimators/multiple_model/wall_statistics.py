@@ -231,8 +231,8 @@ class WallStatistics:
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         centre, std, _ = places[0]
-        self.surfaces = [*((at, error, (1.0 - ELSEWHERE) * p + 1e-300) for at, error, p in places),
-                         (centre, max(self.depth, std), ELSEWHERE)]
+        self.surfaces = [*((at, error, (1.0 - ELSEWHERE) * p) for at, error, p in places
+                           if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
         """Keep the wall before a change, in case the zero has stepped instead."""
