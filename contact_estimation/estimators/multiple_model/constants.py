@@ -62,6 +62,9 @@ for [mean depths]: the next term is (n - 1) / 2 delta / y of it, a tenth."""
 LEAST_STIFFNESS, STIFFEST = 30.0, 1e6
 """Of a wall that is not known [N/m]: from foam to steel on a robot."""
 
+STILL_THERE = 0.7
+"""Prior of the same surface after the wall has changed."""
+
 # -- changes of the wall ------------------------------------------------------------------------
 NEW_WALL = 0.05
 """Prior of another wall at each touch: one in twenty contacts."""

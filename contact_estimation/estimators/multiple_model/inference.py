@@ -28,6 +28,7 @@ from .wall_statistics import Replaced, WallStatistics
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
+_LEAST_BLOCKS = 2  # of another wall: one may hold half of a jump that is no surprise
 _START = 3  # blocks in which the scale of the priors is not known
 
 
@@ -143,13 +144,14 @@ class WallInference:
         yield
         weights = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
+        waits = self.rhythm.waits(surprise)
         if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
             kept = blocks.next_to_jumps(wall, self._contact.variance)
-            weights = weights * (kept if self.rhythm.surprised else np.minimum.accumulate(kept))
+            weights = weights * (np.minimum.accumulate(kept) if waits else kept)
         yield
         self._add((phi * weights) @ phi.T, phi)
-        due = self.rhythm.is_due(surprise)
+        due = self.rhythm.is_due(surprise) and not waits
         if self._contact.state == CONTACT:
             blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
         if due:
@@ -243,8 +245,8 @@ class WallInference:
         yield
         prior = sums.place_prior
         of_law = np.where(moves, sums.moving.prior, sums.odds[what.law])
-        odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negativity(
-            judged, what.law, scene)
+        negative = negativity(judged, what.law, scene)
+        odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
         change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
@@ -252,10 +254,11 @@ class WallInference:
             self._of_laws = of_laws
         law = int(np.argmax(self._of_laws[:MOVING]))
         before = yield from sums.runs.before(
-            sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior)
+            sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior,
+            1 if self.rhythm.surprised else _LEAST_BLOCKS)
         if before is not None:
             yield
-            alone = float(odds[still] - sums.odds[law])
+            alone = float(odds[still] + negative[still] - sums.odds[law])
             block_s = min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s
             change = yield from sums.runs.since(before, scene, alone, block_s)
             # A wall at rest may have changed instead of moving.

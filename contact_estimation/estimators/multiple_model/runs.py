@@ -47,8 +47,13 @@ class Rhythm:
 
     @property
     def surprised(self) -> bool:
-        """Whether a block has been a surprise of late."""
-        return self._alert > 0
+        """Whether a block of a wall of which something is known has been a surprise of late."""
+        return self._alert > 0 and self.blocks > SETTLED
+
+    def waits(self, surprise: float) -> bool:
+        """Return whether a block may hold half of a jump: the next shows what is after it."""
+        return surprise > SURPRISE and not self._alert and (
+            self._of_contact > 0 and self.blocks >= SETTLED)
 
     @property
     def length(self) -> int:
@@ -80,15 +85,12 @@ class Rhythm:
 
     def is_due(self, surprise: float) -> bool:
         """Return whether hypotheses are weighed now, by the mean square of the last block."""
-        first = surprise > SURPRISE and not self._alert
         if surprise > SURPRISE:
             self._alert, self._unsteady, self._since_s = _ALERT, _STEADY, 0.0
         else:
             self._alert = max(self._alert - 1, 0)
         if self.length:
             self._unsteady = max(self._unsteady - 1, 0)
-        if first and self._of_contact > 1 and self.blocks > SETTLED:
-            return False  # half of a jump: the next block shows what is after it
         if self._alert or self.blocks <= SETTLED or surprise > _DOUBTFUL:
             return True
         if self.followed:
@@ -205,7 +207,7 @@ class Runs:
         return self._grams[old[-1] if old else 0]
 
     def before(
-        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array
+        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array, least: int
     ) -> Generator[None, None, Before | None]:
         """
         Judge what was before each run, in parts.
@@ -213,8 +215,10 @@ class Runs:
         gram (16, 16): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
+        least: blocks that another wall must have; a touch of a known one needs no more than one
         """
-        used = np.flatnonzero(self._ages)
+        again = np.array([touch.again for touch in self._touches], bool)
+        used = np.flatnonzero(np.array(self._ages) >= np.where(again, 1, least))
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)

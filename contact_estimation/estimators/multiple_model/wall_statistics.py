@@ -12,7 +12,7 @@ import numpy as np
 
 from .constants import (
     ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, LEAST_STIFFNESS,
-    NEAR, STIFFEST, UNLIKELY)
+    NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
     Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
@@ -231,7 +231,7 @@ class WallStatistics:
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         centre, std, _ = places[0]
-        self.surfaces = [*((at, error, (1.0 - ELSEWHERE) * p) for at, error, p in places
+        self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in places
                            if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
