@@ -20,7 +20,7 @@ from .evidence import (
 from .laws import (
     ACCELERATION, Array, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
-from .runs import Change, decided, Rhythm, SETTLED, SURPRISE, Touch
+from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
 from .wall_statistics import Replaced, WallStatistics
@@ -28,7 +28,6 @@ from .wall_statistics import Replaced, WallStatistics
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
-_LEAST_BLOCKS = 2  # of another wall: one may hold half of a jump that is no surprise
 _START = 3  # blocks in which the scale of the priors is not known
 
 
@@ -255,7 +254,7 @@ class WallInference:
         law = int(np.argmax(self._of_laws[:MOVING]))
         before = yield from sums.runs.before(
             sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior,
-            1 if self.rhythm.surprised else _LEAST_BLOCKS)
+            1 if self.rhythm.surprised else LEAST_BLOCKS)
         if before is not None:
             yield
             alone = float(odds[still] + negative[still] - sums.odds[law])

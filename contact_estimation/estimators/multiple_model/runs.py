@@ -100,6 +100,9 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
+LEAST_BLOCKS = 2
+"""Blocks of another wall: one may hold half of a jump, where that is no surprise."""
+
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
@@ -124,6 +127,7 @@ class Before(NamedTuple):
     used: Ints  # (N,) indices of the runs
     since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
+    old: Ints  # which of them are old enough for another wall
     what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
     gram: Array  # (16, 16) of all data
@@ -215,10 +219,11 @@ class Runs:
         gram (16, 16): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
-        least: blocks that another wall must have; a touch of a known one needs no more than one
+        least: blocks that another wall must have within a contact
         """
-        again = np.array([touch.again for touch in self._touches], bool)
-        used = np.flatnonzero(np.array(self._ages) >= np.where(again, 1, least))
+        at, _, again = np.array(self._touches).reshape(-1, 3).T
+        old = np.array(self._ages) >= np.where(at == at, LEAST_BLOCKS, least)
+        used = np.flatnonzero(old | (again > 0.0) & (np.array(self._ages) > 0))
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
@@ -230,7 +235,7 @@ class Runs:
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
         return Before(used, since, Judged(
-            evidence.max(axis=1), judged.theta[best], judged.P[best]),
+            evidence.max(axis=1), judged.theta[best], judged.P[best]), np.flatnonzero(old[used]),
             Hypotheses(*(one[place] for one in what)), prior[place], gram)
 
     def since(
@@ -245,15 +250,15 @@ class Runs:
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
         """
-        used, since, judged, what, prior, gram = before
+        used, since, judged, old, what, prior, gram = before
         near, near_std = places(judged, scene)
         touches, doubts, again = np.array(self._touches)[used].T
-        inside = touches != touches
-        touched = np.flatnonzero(~inside)  # the surface may be another one too
-        same = np.concatenate([np.flatnonzero(inside), np.flatnonzero(again)])  # the wall may be
-        run = np.concatenate([np.arange(len(used)), touched, same])
-        centre = np.concatenate([near, touches[touched], near[same]])
-        std = np.concatenate([near_std, doubts[touched], near_std[same]])
+        touched = old[touches[old] == touches[old]]  # the surface may be another one too
+        within = old[touches[old] != touches[old]]  # the wall may be the same
+        same = np.concatenate([within, np.flatnonzero(again)])
+        run = np.concatenate([old, touched, same])
+        centre = np.concatenate([near[old], touches[touched], near[same]])
+        std = np.concatenate([near_std[old], doubts[touched], near_std[same]])
         rate = self.changes / self.seconds * block_s
         is_same = np.arange(len(run)) >= len(run) - len(same)
         hazard = np.where(touches[run] == touches[run], log(0.5 * NEW_WALL), np.log(
@@ -271,7 +276,7 @@ class Runs:
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
         as_before = np.ones(len(run), bool)
-        as_before[len(used):len(used) + len(touched)] = False
+        as_before[len(old):len(old) + len(touched)] = False
         return Change(odds, found, centre, std, used[run], as_before, shift)
 
     def commit(self, run: int) -> Array:
