@@ -31,6 +31,7 @@ class Scene(NamedTuple):
     depth: float
     damping: float  # B_e / K_e as estimated so far [s]
     lag: tuple[float, float]  # of the force sensor, and its standard deviation [s]
+    level: float = 0.0  # variance of the force of free flight as known [N^2]
 
 
 class Hypotheses(NamedTuple):
@@ -84,7 +85,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
         theta = A^-1 eta,  P = A^-1
         2 log p(f) = eta^T theta - f^T f - m^T L m - log |A| + log |L|
 
-    The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2), couples K and s.
+    The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
     grams (N, 16, 16): one for each hypothesis
     """
@@ -118,6 +119,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
     std[:, 3] = K * np.minimum(what.std, np.where(CURVED[laws], NEAR_DEPTH * scene.depth, np.inf))
+    std[:, 3] = np.sqrt(np.square(std[:, 3]) + scene.level)
     precision = std ** -2.0
     offset = what.centre - scene.x0
     L = np.zeros((count, UNKNOWNS, UNKNOWNS))

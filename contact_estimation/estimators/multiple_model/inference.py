@@ -20,7 +20,7 @@ from .evidence import (
 from .laws import (
     ACCELERATION, Array, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
-from .runs import Change, decided, Rhythm, SETTLED, SURPRISE, Touch
+from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
 from .touch import before_release, surface_of_touch
 from .wall_statistics import Replaced, WallStatistics
@@ -67,6 +67,9 @@ class WallInference:
         self._replaced: list[tuple[int, Replaced]] = []
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
+        # Log odds of each law as last judged before something seems to have changed.
+        self._of_laws: Array | None = None
+        self._doubted = False
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
@@ -81,7 +84,8 @@ class WallInference:
     def scene(self) -> Scene:
         """Return what all hypotheses share now."""
         sums = self._sums
-        return Scene(sums.x0, sums.depth, sums.seconds, self.lag.lag)
+        return Scene(sums.x0, sums.depth, sums.seconds, self.lag.lag,
+                     self._contact.level_variance)
 
     @property
     def law(self) -> str:
@@ -139,12 +143,14 @@ class WallInference:
         yield
         weights = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
+        waits = self.rhythm.waits(surprise)
         if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
-            weights = weights * blocks.next_to_jumps(wall, self._contact.variance)
+            kept = blocks.next_to_jumps(wall, self._contact.variance)
+            weights = weights * (np.minimum.accumulate(kept) if waits else kept)
         yield
         self._add((phi * weights) @ phi.T, phi)
-        due = self.rhythm.is_due(surprise)
+        due = self.rhythm.is_due(surprise) and not waits
         if self._contact.state == CONTACT:
             blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
         if due:
@@ -238,16 +244,20 @@ class WallInference:
         yield
         prior = sums.place_prior
         of_law = np.where(moves, sums.moving.prior, sums.odds[what.law])
-        odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negativity(
-            judged, what.law, scene)
+        negative = negativity(judged, what.law, scene)
+        odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
-        change, law = None, int(what.law[still])
+        change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
+        if self._of_laws is None or not (self.rhythm.surprised or self._doubted):
+            self._of_laws = of_laws
+        law = int(np.argmax(self._of_laws[:MOVING]))
         before = yield from sums.runs.before(
-            sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior)
+            sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior,
+            1 if self.rhythm.surprised else LEAST_BLOCKS)
         if before is not None:
             yield
-            alone = float(judged.evidence[still] + prior[still % len(prior)])
+            alone = float(odds[still] + negative[still] - sums.odds[law])
             block_s = min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s
             change = yield from sums.runs.since(before, scene, alone, block_s)
             # A wall at rest may have changed instead of moving.
@@ -266,10 +276,12 @@ class WallInference:
         self._report_knowledge(weights, judged, what, change, law, scene, of_same)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
-        certain = decided(change)
+        certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0:
             yield
-            self._note_change(sums.commit(change, certain, law, scene, min(gap, 0.0)))
+            self._note_change(sums.commit(
+                change, certain, self._of_laws, scene, min(gap, 0.0)))
+            self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface()

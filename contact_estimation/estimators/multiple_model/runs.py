@@ -9,6 +9,7 @@ from math import log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .constants import (
     CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
@@ -43,6 +44,16 @@ class Rhythm:
     def early(self) -> bool:
         """Whether contact or wall are new."""
         return self._of_contact <= _EARLY or self.blocks <= SETTLED
+
+    @property
+    def surprised(self) -> bool:
+        """Whether a block of a wall of which something is known has been a surprise of late."""
+        return self._alert > 0 and self.blocks > SETTLED
+
+    def waits(self, surprise: float) -> bool:
+        """Return whether a block may hold half of a jump: the next shows what is after it."""
+        return surprise > SURPRISE and not self._alert and (
+            self._of_contact > 0 and self.blocks >= SETTLED)
 
     @property
     def length(self) -> int:
@@ -89,7 +100,9 @@ class Rhythm:
         return self._unjudged_s > 0.9 * due
 
 
-_LEAST_BLOCKS = 2  # of another wall: one may hold half of a jump
+LEAST_BLOCKS = 2
+"""Blocks of another wall: one may hold half of a jump, where that is no surprise."""
+
 _YOUNG_S = 0.02  # added to all ages: a short block
 _KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
 
@@ -102,9 +115,8 @@ class Change(NamedTuple):
     # centre, std (N,): prior of its surface [m]
     centre: Array
     std: Array
-    # run, place (N,): index of the run, and of the surface before it
-    run: Ints
-    place: Ints
+    run: Ints  # (N,) index of the run
+    as_before: NDArray[np.bool_]  # (N,) whether the surface is the one before it
     # (N,) variance of a shift of the force where that is the change [N^2], 0 of another wall
     shift: Array
 
@@ -115,8 +127,8 @@ class Before(NamedTuple):
     used: Ints  # (N,) indices of the runs
     since: Array  # (N, 16, 16) Gram matrices since then
     judged: Judged  # the wall before
-    place: Ints  # (N,) index of its surface: that which explained best what was before
-    what: Hypotheses  # (N,) which wall that is
+    old: Ints  # which of them are old enough for another wall
+    what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
     gram: Array  # (16, 16) of all data
 
@@ -199,7 +211,7 @@ class Runs:
         return self._grams[old[-1] if old else 0]
 
     def before(
-        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array
+        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array, least: int
     ) -> Generator[None, None, Before | None]:
         """
         Judge what was before each run, in parts.
@@ -207,9 +219,11 @@ class Runs:
         gram (16, 16): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
+        least: blocks that another wall must have within a contact
         """
-        again = np.array([touch.again for touch in self._touches], bool)
-        used = np.flatnonzero(np.array(self._ages) >= np.where(again, 1, _LEAST_BLOCKS))
+        at, _, again = np.array(self._touches).reshape(-1, 3).T
+        old = np.array(self._ages) >= np.where(at == at, LEAST_BLOCKS, least)
+        used = np.flatnonzero(old | (again > 0.0) & (np.array(self._ages) > 0))
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
@@ -221,7 +235,7 @@ class Runs:
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
         return Before(used, since, Judged(
-            evidence.max(axis=1), judged.theta[best], judged.P[best]), place,
+            evidence.max(axis=1), judged.theta[best], judged.P[best]), np.flatnonzero(old[used]),
             Hypotheses(*(one[place] for one in what)), prior[place], gram)
 
     def since(
@@ -236,13 +250,9 @@ class Runs:
         evidence: of the law on all data, with its prior
         block_s: duration of a block [s]
         """
-        used, since, judged, place, what, prior, gram = before
-        delta, variance = surfaces(judged)
-        reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
-        delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
-        near, near_std = scene.x0 + delta, np.sqrt(variance) + _KEPT_STD
+        used, since, judged, old, what, prior, gram = before
+        near, near_std = places(judged, scene)
         touches, doubts, again = np.array(self._touches)[used].T
-        old = np.flatnonzero(np.array(self._ages)[used] >= _LEAST_BLOCKS)
         touched = old[touches[old] == touches[old]]  # the surface may be another one too
         within = old[touches[old] != touches[old]]  # the wall may be the same
         same = np.concatenate([within, np.flatnonzero(again)])
@@ -265,7 +275,9 @@ class Runs:
         odds = found.evidence - evidence + hazard
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
-        return Change(odds, found, centre, std, used[run], place[run], shift)
+        as_before = np.ones(len(run), bool)
+        as_before[len(old):len(old) + len(touched)] = False
+        return Change(odds, found, centre, std, used[run], as_before, shift)
 
     def commit(self, run: int) -> Array:
         """Drop what was before a run; return its Gram matrix."""
@@ -275,6 +287,14 @@ class Runs:
         if not touched:
             self.changes += 1.0
         return gram
+
+
+def places(judged: Judged, scene: Scene) -> tuple[Array, Array]:
+    """Return where the surface is under each hypothesis, and its standard deviation [m]."""
+    delta, variance = surfaces(judged)
+    reach = scene.depth * scene.depth  # too few data do not tell the surface: it is near x0
+    delta, variance = np.where(variance < reach, delta, 0.0), np.minimum(variance, reach)
+    return scene.x0 + delta, np.sqrt(variance) + _KEPT_STD
 
 
 def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from math import exp, inf, log, nan, sqrt
-from typing import NamedTuple
+from math import exp, hypot, inf, log, nan, sqrt
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
@@ -15,13 +15,14 @@ from .constants import (
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
-    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, NAMES, RATE, shifted_table)
-from .runs import Change, Runs, shifted
+    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
+from .runs import Change, places, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
 _SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RECENT_S = 0.5  # of the last data, at least
+_KEPT = 2  # places of a surface before a change
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
 
 
@@ -187,11 +188,13 @@ class WallStatistics:
 
     # -- changes ----------------------------------------------------------------------------
 
-    def commit(self, change: Change, best: int, law: int, scene: Scene, gap: float) -> Replaced:
+    def commit(
+        self, change: Change, best: int, of_laws: Array, scene: Scene, gap: float
+    ) -> Replaced:
         """
         Drop the wall before a change and return it; its laws and motion stay a prior.
 
-        law: index of the one that was judged
+        of_laws: log odds of each law before it
         gap: log odds of a moving wall, at most 0
         """
         centre, std = float(change.centre[best]), float(change.std[best])
@@ -200,27 +203,36 @@ class WallStatistics:
         before = self.gram - gram
         replaced = Replaced(other, self.x0, before, self.odds, self.surfaces, self.scale,
                             self.seconds, self.depth, centre - OUTSIDE * std)
-        surface = self.surfaces[change.place[best]]
         if other:
-            evidence = judge(np.repeat(before[None], len(NAMES), axis=0), scene, hypotheses(
-                np.arange(len(NAMES)), [surface], self.scale)).evidence
-            self.odds = np.maximum(
-                self.odds + evidence - float(evidence[:MOVING].max()), LOG_PRIOR - _FARTHEST)
-            self._doubt(change, best, before, hypotheses(np.array([law]), [surface], self.scale))
-            self._go_on(gram, centre, std, gap)
+            law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
+            what = hypotheses(law, self.surfaces, self.scale)
+            judged = judge(np.repeat(before[None], len(self.surfaces), axis=0), scene, what)
+            odds = judged.evidence + self.place_prior
+            order = np.argsort(-odds)
+            self.odds = np.maximum(of_laws - of_laws[law], LOG_PRIOR - _FARTHEST)
+            self._doubt(change, best, before, hypotheses(
+                law, [self.surfaces[order[0]]], self.scale))
+            if change.as_before[best]:
+                weights = np.exp(odds - odds.max())
+                kept = np.stack([*places(judged, scene), weights / weights.sum()], axis=1)
+                self._go_on(gram, kept[order[:_KEPT]].tolist(), gap)
+            else:
+                self._go_on(gram, [(centre, std, 1.0)], gap)
         else:
             self.same = None
             self._go_on(shifted(gram + before, before[None], change.shift[best:best + 1])[0][0],
-                        centre, max(self.depth, std), gap)
+                        [(centre, hypot(std, sqrt(change.shift[best]) / self.scale), 1.0)], gap)
         return replaced
 
-    def _go_on(self, gram: Array, centre: float, std: float, gap: float) -> None:
-        """Use other data, and a surface that is there or elsewhere."""
+    def _go_on(
+        self, gram: Array, places: Sequence[tuple[float, float, float]], gap: float
+    ) -> None:
+        """Use other data, and a surface that is at one of some places or elsewhere."""
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
-        self.surfaces = [(centre, std, STILL_THERE), (centre, max(self.depth, std), ELSEWHERE)]
-        if self._told == self._told:
-            self.surfaces.append((self._told, EXACT_SURFACE_M, 1.0 - STILL_THERE))
+        centre, std, _ = places[0]
+        self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in places
+                           if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
         """Keep the wall before a change, in case the zero has stepped instead."""
@@ -245,8 +257,8 @@ class WallStatistics:
         assert same is not None
         judged = same.judge(self.gram, scene, evidence)
         if same.odds > COMMIT:
-            self._go_on(same.data(self.gram, of_now=False)[0], float(same.what.centre[0]),
-                        max(self.depth, float(same.what.std[0])), 0.0)
+            self._go_on(same.data(self.gram, of_now=False)[0], [(
+                float(same.what.centre[0]), max(self.depth, float(same.what.std[0])), 1.0)], 0.0)
         if not log(UNLIKELY) < same.odds < COMMIT:
             self.same = None
         return 1.0 / (1.0 + exp(-max(same.odds, -50.0))), judged, int(same.what.law[0])
