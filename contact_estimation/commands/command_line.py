@@ -3,8 +3,6 @@
 
 """Shared by all commands: options, checks of outputs, one line on stderr per error."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

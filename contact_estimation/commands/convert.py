@@ -3,8 +3,6 @@
 
 """`convert`: a table or a foreign recording as a recording with the usual topics, or as CSV."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -10,8 +10,6 @@ F_e = sum_i F_ni (n_i - mu s_i), F_ni = K_e delta_i + B_e deltadot_i.
 A robot that presses along +x against one point has n = (-1, 0, 0), which is eq. (3).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

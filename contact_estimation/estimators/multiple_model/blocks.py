@@ -3,8 +3,6 @@
 
 """From samples to the rows of a block: period, noise, lost and wild samples, frozen channels."""
 
-from __future__ import annotations
-
 from array import array
 from math import inf, nan, sqrt
 

@@ -3,8 +3,6 @@
 
 """Noise that is not white: hum, and a force that wanders."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import Sequence
 

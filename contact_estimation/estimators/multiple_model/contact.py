@@ -3,8 +3,6 @@
 
 """Free, in contact, or neither: decided sample by sample from force and position."""
 
-from __future__ import annotations
-
 from math import exp, nan, sqrt
 
 import numpy as np
@@ -85,7 +83,7 @@ class ContactFilter:
         """Return whether a force is above the noise [N]: the end of a contact is seen late."""
         return force - self.level > _PRESSES * self.noise_std
 
-    def keep(self, other: ContactFilter) -> None:
+    def keep(self, other: 'ContactFilter') -> None:
         """Use the noise and the level of another filter of the same samples."""
         self._noise = other._noise[0], *self._noise[1:]
         self.set_level(other.level, other.level_variance)

@@ -3,8 +3,6 @@
 
 """The marginal likelihood of hypotheses on Gram matrices, and what each says of the wall."""
 
-from __future__ import annotations
-
 from typing import Generator, NamedTuple, Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """Inference of a wall: laws, surfaces and changes, weighed by their evidence in blocks."""
 
-from __future__ import annotations
-
 from math import inf, nan, sqrt
 from typing import Iterator
 

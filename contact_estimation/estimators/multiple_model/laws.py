@@ -16,8 +16,6 @@ sensor is undone by f + tau f' under the laws of Hunt and Crossley, where k stan
 wrong with tau; in the others it adds -K tau to B and c K tau^2 - B tau to M.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 
 """The posterior of the wall, sample by sample."""
 
-from __future__ import annotations
-
 from itertools import chain, repeat
 from math import isfinite, nan
 from typing import Iterator

@@ -3,8 +3,6 @@
 
 """What a law leaves of the force, over the errors that samples have: weights, alarms, the fit."""
 
-from __future__ import annotations
-
 from math import inf, nan, sqrt
 from typing import TypeVar
 

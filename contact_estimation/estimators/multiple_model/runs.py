@@ -3,8 +3,6 @@
 
 """How long blocks are, and the times since which the wall may be another."""
 
-from __future__ import annotations
-
 from math import log, nan
 from typing import Generator, NamedTuple
 

@@ -3,8 +3,6 @@
 
 """Whether a force follows the position beside it, or stays the same."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import Sequence
 

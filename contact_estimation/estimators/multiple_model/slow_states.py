@@ -3,8 +3,6 @@
 
 """What changes slowly: knowledge of a wall, lag of the force sensor, walk of the surface."""
 
-from __future__ import annotations
-
 from math import hypot, log, sqrt
 from typing import NamedTuple
 

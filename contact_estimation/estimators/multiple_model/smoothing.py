@@ -9,8 +9,6 @@ between them stays exact, also across the touch, where y = max(x - x0, 0) has a 
 noise of the force keeps its variance in the sums.
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import Sequence
 

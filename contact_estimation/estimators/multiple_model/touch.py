@@ -3,8 +3,6 @@
 
 """Where a short contact begins: its rows straddle the touch, where the surface is a corner."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -3,8 +3,6 @@
 
 """The sufficient statistics of a wall: Gram matrices of its blocks, and scales of the priors."""
 
-from __future__ import annotations
-
 from math import exp, hypot, inf, log, nan, sqrt
 from typing import NamedTuple, Sequence
 
