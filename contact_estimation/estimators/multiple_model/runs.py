@@ -308,6 +308,22 @@ def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
     return gram - taken, -0.5 * np.log(told)
 
 
+def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
+    """
+    Return data in a part of which the zero, the stiffness or both were others.
+
+    At rest either explains a step of the force, which has a variance [N^2].
+
+    gram, part (16, 16): of all data, and of the part
+    delta: surface less x0 [m]
+    """
+    columns = part[:, [ONE, DEPTH]] @ np.array([[1.0, -delta], [0.0, 1.0]])
+    both = np.array([columns[ONE], columns[DEPTH] - delta * columns[ONE]])
+    depth = both[0, 1] / max(both[0, 0], 1e-300)
+    told = both + np.diag([1.0, depth * depth]) / variance
+    return np.asarray(gram - columns @ np.linalg.solve(told, columns.T))
+
+
 def decided(change: Change | None) -> int:
     """
     Return the index of the change that is certain enough to forget what was before; -1.

@@ -14,7 +14,7 @@ from .constants import (
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
     Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
-from .runs import Change, places, Runs, shifted
+from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
 _SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
@@ -61,16 +61,19 @@ class SameWall:
         """Move the reference of all columns; see `shifted_table`."""
         self._before = table @ self._before @ table.T
 
-    def data(self, since: Array, of_now: bool = True) -> tuple[Array, float]:
+    def data(self, since: Array) -> tuple[Array, float]:
         """
-        Return all data, the force of a part shifted, and what the evidence loses.
+        Return all data, the force since the change shifted, and what the evidence loses.
 
         since (16, 16): of the data since the change
-        of_now: whether the zero is that of before, from which the force is shifted now
         """
-        part = since if of_now else self._before
-        (gram,), (cost,) = shifted(self._before + since, part[None], np.array([self._variance]))
+        (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
+
+    def data_of_now(self, since: Array, x0: float) -> Array:
+        """Return all data, of which those before had another zero or stiffness."""
+        return in_doubt(self._before + since, self._before, float(self.what.centre[0]) - x0,
+                        self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
         """Note another step, after data (16, 16) of what seemed another wall."""
@@ -218,8 +221,9 @@ class WallStatistics:
                 self._go_on(gram, [(centre, std, 1.0)], gap)
         else:
             self.same = None
-            self._go_on(shifted(gram + before, before[None], change.shift[best:best + 1])[0][0],
-                        [(centre, hypot(std, sqrt(change.shift[best]) / self.scale), 1.0)], gap)
+            shift = float(change.shift[best])
+            self._go_on(in_doubt(gram + before, before, centre - self.x0, shift),
+                        [(centre, hypot(std, sqrt(shift) / self.scale), 1.0)], gap)
         return replaced
 
     def _go_on(
@@ -255,7 +259,7 @@ class WallStatistics:
         assert same is not None
         judged = same.judge(self.gram, scene, evidence)
         if same.odds > COMMIT:
-            self._go_on(same.data(self.gram, of_now=False)[0], [(
+            self._go_on(same.data_of_now(self.gram, self.x0), [(
                 float(same.what.centre[0]), max(self.depth, float(same.what.std[0])), 1.0)], 0.0)
         if not log(UNLIKELY) < same.odds < COMMIT:
             self.same = None
