@@ -12,7 +12,7 @@ from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from wall_worlds import Array, contact, fed, Law, Samples, spring_damper
+from wall_worlds import Array, contact, fed, FINE, Law, Samples, spring_damper
 
 K, B = 5000.0, 100.0
 NO_LAG = lag_prior(0.0, 1e-3)  # the sensor has none, and says so
@@ -180,6 +180,24 @@ def test_a_step_of_the_zero_in_a_contact_is_forgotten_after_it(step: float, at: 
 def test_the_band_in_a_hold_covers_a_step_of_the_zero(step: float, location: float) -> None:
     for stiffness, std in believed(step, 3.9, location, since=4.0, shaken=0.0):
         assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
+@pytest.mark.parametrize('shaken', [0.0005, 0.002])
+def test_the_band_of_a_stiffness_that_grows_in_a_hold_follows_it(shaken: float) -> None:
+    def stiffness(t: Array) -> Array:
+        return K * (1.0 + 0.05 * np.clip(t - 3.0, 0.0, 4.0))
+
+    samples = contact(lambda d, v, a: stiffness(np.arange(len(d)) / FINE) * d + B * v, 8.0,
+                      shaken=shaken, presses=((0.3, 2.5), (2.8, 7.9)))
+    posterior, found = WallPosterior(0.0, 2e-3, NO_LAG), []
+    for t, f, x, truth in zip(*samples[:3], stiffness(samples.t)):
+        posterior.take(t, f, x)
+        if 3.5 < t < 7.4 and posterior.known.valid:
+            found.append((posterior.known.stiffness / truth - 1.0,
+                          posterior.known.stiffness_std / truth))
+    off, std = np.array(found).T
+    assert len(found) > 1900 and np.mean(np.abs(off)) < 0.06
+    assert np.all(np.abs(off) < 4.0 * std)
 
 
 @pytest.mark.parametrize('step', [-4.0, -2.0, 2.0, 4.0])
