@@ -252,8 +252,7 @@ def _pairs(groups: Members, first: str, second: str, families: Sequence[str]) ->
             chance = float(mannwhitneyu(own, other).pvalue) if resolved else 1.0
             pairs.append(_Pair(quantity, (first, second), chance))
     for family in families:
-        counts = [[_named(members, family), len(members) - _named(members, family)]
-                  for members in (a, b)]
+        counts = [[hits := _named(members, family), len(members) - hits] for members in (a, b)]
         pairs.append(_Pair(family, (first, second), float(fisher_exact(counts)[1])))
     return pairs
 
@@ -275,8 +274,8 @@ def _difference(
 
 def _values(members: Sequence[Entry], quantity: str) -> NDArray[np.float64]:
     """Return values and their standard deviations, shape (2, N)."""
-    return np.array([entry.corrected(quantity) for entry in members
-                     if entry.corrected(quantity) is not None]).reshape(-1, 2).T
+    return np.array([value for entry in members
+                     if (value := entry.corrected(quantity)) is not None]).reshape(-1, 2).T
 
 
 def _named(members: Sequence[Entry], family: str) -> int:

@@ -63,6 +63,8 @@ class ContactFilter:
         self._colour = Colour()
         if free:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
+        else:  # a zero that is off by less is no sign of a touch
+            self.set_level(0.0, SHIFT * SHIFT * self.variance)
 
     @property
     def variance(self) -> float:

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import Blocks, FIRST
-from .constants import SHIFT
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
 from .laws import Array
@@ -271,10 +270,7 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self.blocks.begin(stamps)
-        free = not places[-1] > location - 2.0 * std
-        self.contact.start(forces, free)
-        if not free:  # a zero that is off by less is no sign of a touch
-            self.contact.set_level(0.0, SHIFT * SHIFT * self.contact.variance)
+        self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
     def _touch(self, t: float, x: float) -> None:
         """Begin a contact: the wall may be another."""

@@ -317,8 +317,9 @@ def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
     gram, part (16, 16): of all data, and of the part
     delta: surface less x0 [m]
     """
-    columns = part[:, [ONE, DEPTH]] @ np.array([[1.0, -delta], [0.0, 1.0]])
-    both = np.array([columns[ONE], columns[DEPTH] - delta * columns[ONE]])
+    to_depth = np.array([[1.0, -delta], [0.0, 1.0]])
+    columns = part[:, [ONE, DEPTH]] @ to_depth
+    both = to_depth.T @ columns[[ONE, DEPTH]]
     depth = both[0, 1] / max(both[0, 0], 1e-300)
     told = both + np.diag([1.0, depth * depth]) / variance
     return np.asarray(gram - columns @ np.linalg.solve(told, columns.T))

@@ -227,13 +227,13 @@ class WallStatistics:
         return replaced
 
     def _go_on(
-        self, gram: Array, places: Sequence[tuple[float, float, float]], gap: float
+        self, gram: Array, kept: Sequence[tuple[float, float, float]], gap: float
     ) -> None:
         """Use other data, and a surface that is at one of some places or elsewhere."""
         self.gram = gram
         self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
-        centre, std, _ = places[0]
-        self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in places
+        centre, std, _ = kept[0]
+        self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in kept
                            if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
