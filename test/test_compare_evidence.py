@@ -128,7 +128,8 @@ def test_models_tell_how_large_noise_is_and_what_zeros_leave() -> None:
     base, zero = scored(1e6, motion=5.0), scored(100.0, 'bias', motion=5.0, laws=0)
     found = evidence(base).informed_by([base, zero, scored(1.3, 'a', motion=1.9)])
     np.testing.assert_allclose(found.noise, np.tile((1.3, 1.44), (PARTS, 1)))  # type: ignore
-    assert found.misfit == pytest.approx([99.0, 4.0])
+    for misfit in found.misfit:  # of inexact laws and of exact ones
+        assert misfit == pytest.approx([99.0, 4.0])
 
 
 def test_probability_of_a_family_is_the_weight_of_its_models() -> None:
@@ -187,6 +188,12 @@ def test_the_likely_family_is_named_with_laws_alike() -> None:
 ])
 def test_what_is_unlikely_or_little_is_not_named(models: list[Scored], names: list[str]) -> None:
     assert [one for one, _ in named(*models)] == names
+
+
+def test_a_law_that_shows_in_some_parts_is_named_unless_it_harms_others() -> None:
+    base, some = scored(300.0), [20.0, 300.5, 300.5, 20.0, 300.5]
+    assert named(base, scored(some, 'a')) == [('a', [])]
+    assert named(base, scored([20.0, 340.0, 340.0, 20.0, 340.0], 'a')) == []
 
 
 def test_a_zero_that_is_little_stays_in_the_model_of_a_law_alone() -> None:

@@ -83,11 +83,13 @@ def test_left_out_error_is_that_of_a_full_refit(name: str) -> None:
         refitted = least_squares(
             lambda values, rest=rest: bent(values)[rest], found.model.coordinates,
             x_scale=found.model.steps, diff_step=1e-5)
-        left = function(refitted.x)[part.there] ** 2 * told.in_noise[part.there]
-        by_channel = [left[told.channel[part.there] == k] for k in (0, 1)]
-        expected = [np.mean(np.minimum(one, 25.0 * max(1.0, np.median(one) / 0.455)))
-                    for one in by_channel]  # an outlier counts as one at five deviations
-        np.testing.assert_allclose(told.left_out[k], expected, rtol=0.1)
+        as_noise, here = told.in_noise[part.there], told.channel[part.there]
+        linear, plain = (each(refitted.x)[part.there] ** 2 * as_noise for each in (bent, function))
+        of_channels = [plain[here == k] for k in (0, 1)]
+        outliers = [np.mean(np.minimum(one, 25.0 * max(1.0, np.median(one) / 0.455)))
+                    for one in of_channels]  # count as five deviations
+        expected = [[np.mean(linear[here == k]) for k in (0, 1)], outliers]
+        np.testing.assert_allclose(told.left_out[:, k], expected, rtol=0.1)
     assert told.left_out.sum() > told.fitted.sum()
 
 

@@ -155,6 +155,15 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
+@pytest.mark.parametrize('stray', [0.0, 0.6])
+def test_a_pull_at_each_release_is_named_beside_an_offset_of_the_surface(stray: float) -> None:
+    # It lasts for a few blocks, and the offset explains nine tenths.
+    s = recorded(**physics('dmt_adhesion', 4.0, 0.0008), **physics('contact_offset', 0.0006))
+    away = stray * np.sin(2.1 * s.wrench_t) * np.sin(5.3 * s.wrench_t)  # no law explains it
+    found = diagnosed(s._replace(force=s.force + away))
+    assert [effect.family for effect in found.effects] == ['clearance', 'adhesion']
+
+
 def test_a_law_is_named_and_not_one_that_has_it_as_a_special_case() -> None:
     found = diagnosed(recorded(**physics('presliding_friction', 0.6, 6000.0)))
     assert named(found) == ['presliding_friction']

@@ -4,12 +4,13 @@
 """From compared models to the result: names, values, held-out errors, verdict."""
 
 from dataclasses import replace
+from math import hypot
 from typing import NamedTuple, Sequence
 
 import numpy as np
 
 from .dependence import dependences
-from .fit.discrepancy import discounted, material, standard_deviations
+from .fit.discrepancy import discounted, least_material, material, standard_deviations
 from .fit.evidence import explained, ranked_by, Scored, share_of, ZEROS
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run, refine
@@ -99,7 +100,7 @@ def _holds(seen: Seen, named: Named, tested: _Tested) -> bool:
     force, motion = errors_of(tested.parts)
     shown = []
     if ports != {'robot'}:
-        noise = max(one.force_noise for one in seen.recordings)
+        noise = max(hypot(one.force_noise, least_material(one)) for one in seen.recordings)
         shown.append(force.explained(noise, _SHOWS * tested.force_error))
     if ports != {'force_sensor'}:
         noise = max(one.observed.position_noise for one in seen.recordings)

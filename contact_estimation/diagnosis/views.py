@@ -314,13 +314,16 @@ def _refitted(view: View, seen: Seen, progress: Progress) -> Seen:
 
 
 def _gain(other: Seen, seen: Seen) -> float:
-    """Return how much more a view scores, both with the least noise; a drive has its own."""
+    """Return how much more a view scores, for the same noise and idealisation of laws."""
+    # A drive has its own noise in each view. What a law leaves is a part of what is left in the
+    # view with fewer changes: a change that explains must not make laws more exact.
     scores, of_other, of_seen = [], other.compared.evidence.noise, seen.compared.evidence.noise
+    level = seen.compared.evidence.level
     for one in (other, seen):
         evidence = one.compared.evidence
         if of_other is not None and of_seen is not None and not seen.driven and (
                 of_other.shape == of_seen.shape):
-            evidence = replace(evidence, noise=np.minimum(of_other, of_seen))
+            evidence = replace(evidence, noise=np.minimum(of_other, of_seen), level=level)
         best = max(evidence.score(model) for model in one.compared.models)
         scores.append(best - one.view.changes * evidence.constants.law)
     return scores[0] - scores[1]

@@ -104,7 +104,7 @@ def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored | 
 
 def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     """Return whether a law that explained all that is left would pay, and come near the best."""
-    perfect = replace(one, left_out=np.minimum(one.left_out, 1.0),
+    perfect = replace(one, left_out=np.minimum(one.left_out, 1.0), as_exact=None,
                       fitted=np.minimum(one.fitted, 1.0), penalty=0.0)
     c = evidence.constants
     least = float(evidence.log_likelihoods(perfect)[1].sum()) + evidence.log_prior(perfect)
@@ -128,6 +128,7 @@ def _scored(one: Scored) -> dict[str, Any]:
         'left_out': one.left_out.tolist(), 'fitted': one.fitted.tolist(),
         'counts': one.counts.tolist(), 'parameters': one.parameters, 'laws': one.laws,
         'curves': one.curves,
+        'as_exact': None if one.as_exact is None else one.as_exact.tolist(),
     }
 
 
@@ -136,7 +137,8 @@ def of_dict(data: Mapping[str, Any], constants: Constants) -> Compared:
     base, *others = (
         Scored(tuple(one['effects']), tuple(one['families']), tuple(one['rank']),
                np.array(one['left_out']), np.array(one['fitted']), np.array(one['counts']),
-               one['parameters'], one['laws'], one['curves'])
+               one['parameters'], one['laws'], one['curves'], as_exact=(
+                   None if one['as_exact'] is None else np.array(one['as_exact'])))
         for one in (data['base'], *data['models']))
     evidence = Evidence(base, np.array(data['instrument']), np.array(data['as_force']), constants,
                         white=data['white'])

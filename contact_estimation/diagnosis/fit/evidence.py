@@ -126,6 +126,9 @@ class Scored:
     found: Any = field(repr=False, default=None)  # the fit
     # further log prior odds against it: its place among many, values of a calibration [nat]
     penalty: float = 0.0
+    # (2, P, C) left_out and fitted of an exact law, of which large errors are outliers; by default
+    # the same
+    as_exact: Array | None = None
 
     @property
     def key(self) -> frozenset[str]:
@@ -137,10 +140,11 @@ class Scored:
         """Return the families of its names."""
         return frozenset(self.families) - {''}
 
-    def expected(self, constants: Constants = CONSTANTS) -> Array:
+    def expected(self, constants: Constants = CONSTANTS, exact: bool = False) -> Array:
         """Return the mean squares to expect on further data, shape (P, C)."""
-        share = constants.left_out
-        return share * self.left_out + (1.0 - share) * self.fitted
+        share, both = constants.left_out, (self.left_out, self.fitted)
+        left_out, fitted = self.as_exact if exact and self.as_exact is not None else both
+        return np.asarray(share * left_out + (1.0 - share) * fitted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,17 +165,21 @@ class Evidence:
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
         """Return the evidence with what further models tell of noise and zeros."""
         every = list(models)
-        least = np.min([one.fitted for one in every], axis=0)
+        least = np.min([one.fitted if one.as_exact is None else one.as_exact[1]
+                        for one in every], axis=0)
         level = self.ranked([one for one in every if not one.laws])[0]
         return replace(self, noise=np.clip(least, 1.0, NOISE_IS_KNOWN**2), level=level)
 
     @cached_property
-    def misfit(self) -> Array:
-        """Return what zeros alone leave beyond noise in each channel, shape (C,)."""
+    def misfit(self) -> tuple[Array, Array]:
+        """Return what zeros leave beyond noise, (C,), for inexact laws and for exact ones."""
         level = self.level or self.base
-        beyond = np.maximum(level.expected(self.constants) - 1.0, 0.0)
         counts = level.counts
-        return np.asarray((beyond * counts).sum(axis=0) / np.maximum(counts.sum(axis=0), 1.0))
+        every = np.maximum(counts.sum(axis=0), 1.0)
+        inexact, exact = (
+            np.sum(counts * np.maximum(level.expected(self.constants, exact) - 1.0, 0.0), axis=0)
+            / every for exact in (False, True))
+        return inexact, exact
 
     @property
     def usual(self) -> float:
@@ -181,11 +189,12 @@ class Evidence:
     def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
         """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
         c, expected, n = self.constants, one.expected(self.constants), one.counts
-        noise = self._noise_on(expected) * (1.0 + c.exact * self.misfit)
+        noise = self._noise_on(expected) * (1.0 + c.exact * self.misfit[1])
         noise = noise + (c.accuracy / c.instrument) ** 2 * self.instrument
-        exact = -0.5 * n * np.maximum(expected / noise - 1.0, 0.0)
+        white = one.expected(c, exact=True)
+        exact = -0.5 * n * np.maximum(white / noise - 1.0, 0.0)
         k = np.minimum(n, c.independent)
-        d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit
+        d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit[0]
         inexact = -0.5 * k * np.log1p((n / np.maximum(k, 1.0) if self.white else 1.0) * d)
         either = exact if self.white else inexact  # what may be slow is no noise alone
         return either.sum(axis=1), inexact.sum(axis=1)

@@ -187,18 +187,23 @@ class Linearised:
 
     @cached_property
     def left_out(self) -> Array:
-        """Return mean squares as predicted by the fit on the others, shape (P, CHANNELS)."""
+        """
+        Return mean squares as predicted by the fit on the others, shape (2, P, CHANNELS).
+
+        Large errors count linearly, as in a fit; those of an exact law, which are outliers, as
+        one of five standard deviations does.
+        """
         normal, gradient = (sum(each[k] for each in self._sums) for k in (0, 1))
-        squares = np.zeros((len(self.parts), CHANNELS))
+        squares = np.zeros((len(self.parts), 2, CHANNELS))
         for k, (part, (of_part, pull)) in enumerate(zip(self.parts, self._sums)):
             change = self._step(normal - of_part, gradient - pull)
             errors = self.here[part.there] + self.jacobian[part.there] @ change
             squares[k] = self._mean_squares(part, errors)
-            ratio = np.maximum(squares[k], 1.0) / np.maximum(self.fitted[k], 1.0)
+            ratio = np.maximum(squares[k], 1.0) / np.maximum(self.fitted[:, k], 1.0)
             if np.any(np.maximum(ratio, 1.0 / ratio) > _SUSPICIOUS):
                 squares[k] = self._mean_squares(part, self._stepped(
                     part, normal - of_part, gradient - pull))
-        return squares
+        return squares.transpose(1, 0, 2)
 
     def _stepped(self, part: Part, normal: Array, gradient: Array) -> Array:
         """Return the errors on a part after the least damped step that does not harm the rest."""
@@ -215,8 +220,9 @@ class Linearised:
 
     @cached_property
     def fitted(self) -> Array:
-        """Return mean squares of the errors of the fit, shape (P, CHANNELS)."""
-        return np.array([self._mean_squares(part, self.here[part.there]) for part in self.parts])
+        """Return mean squares of the errors of the fit, shape (2, P, CHANNELS); see `left_out`."""
+        return np.stack([self._mean_squares(part, self.here[part.there])
+                         for part in self.parts], axis=1)
 
     @cached_property
     def counts(self) -> Array:
@@ -225,14 +231,16 @@ class Linearised:
                          for part in self.parts], float)
 
     def _mean_squares(self, part: Part, errors: Array) -> Array:
-        """Average squares by channel, in those of noise; an outlier counts as a large error."""
-        found, channel = np.zeros(CHANNELS), self.channel[part.there]
-        squares = errors**2 * self.in_noise[part.there]
+        """Average squares by channel, in those of noise, shape (2, CHANNELS); see `left_out`."""
+        found, channel = np.zeros((2, CHANNELS)), self.channel[part.there]
+        in_noise = self.in_noise[part.there]
+        bent, squares = huber(errors) ** 2 * in_noise, errors**2 * in_noise
         for k in range(CHANNELS):
-            of_channel = squares[channel == k]
-            if len(of_channel):
-                usual = max(1.0, float(np.median(of_channel)) / _USUAL)
-                found[k] = float(np.mean(np.minimum(of_channel, ROBUST**2 * usual)))
+            here = channel == k
+            if here.any():
+                usual = max(1.0, float(np.median(squares[here])) / _USUAL)
+                found[:, k] = np.mean(bent[here]), np.mean(
+                    np.minimum(squares[here], ROBUST**2 * usual))
         return found
 
     def values_on(self, part: Part) -> Model:

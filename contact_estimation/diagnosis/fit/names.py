@@ -12,6 +12,7 @@ import numpy as np
 from .beam import Compared
 from .evidence import (
     Evidence, explained, NUISANCES, of_families, ranked_by, Scored, Share, share_of, taken, ZEROS)
+from ..observe.shares import SLIGHT
 from ...physics.numeric import Array
 
 _LISTED = 3  # effects in the place of one, at most
@@ -125,8 +126,8 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
 
 
 def _may_be_none(share: Share) -> bool:
-    """Return whether a share may be 0: its 95 % interval holds 0, and not every part gains."""
-    return -inf < share.interval[0] <= 0.0 and bool(share.parts.min() < 0.0)
+    """Return whether a share may be 0: its 95 % interval holds 0, and a part is harmed."""
+    return -inf < share.interval[0] <= 0.0 and bool(share.parts.min() < -SLIGHT)
 
 
 def without_least(compared: Compared, named: Named, without: Without) -> Named:
@@ -176,12 +177,12 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
             if model is None:
                 return {}
             models[some] = model
-            best[some] = max([model, *(best[some - {one}] for one in some)],
-                             key=lambda each: explained(evidence, each).share)
+            best[some] = _better(evidence, model, *(best[some - {one}] for one in some))
         for one in group:
             rest = with_only([other for other in names if other != one])
             if rest is None:
                 return {}
+            rest = _better(evidence, rest, best[frozenset(group) - {one}])
             gain, last = _value(evidence, best, one), taken(evidence, rest, named.model)
             if share_of(evidence, gain).share < evidence.constants.worth:
                 gain = max(gain, last, key=np.sum)
@@ -189,6 +190,11 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
                               models[frozenset(group) - {one}], models[frozenset(group)])
         kept += group
     return found
+
+
+def _better(evidence: Evidence, *models: Scored) -> Scored:
+    """Return the model that explains most: a fit with fewer effects may predict better."""
+    return max(models, key=lambda one: explained(evidence, one).share)
 
 
 def _value(evidence: Evidence, best: Mapping[frozenset[str], Scored], one: str) -> Array:

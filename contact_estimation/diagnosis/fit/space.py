@@ -186,10 +186,11 @@ class ContactModels:
             model.effects,
             tuple('' if name in model.given else EFFECTS[name].family for name in model.effects),
             (len(model.effects), [prior(name) for name in model.effects]),
-            told.left_out, told.fitted, told.counts,
+            told.left_out[0], told.fitted[0], told.counts,
             int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free)),
             len(laws),
-            sum(is_flexible(recordings, model, name) for name in laws), told)
+            sum(is_flexible(recordings, model, name) for name in laws), told,
+            as_exact=np.stack((told.left_out[1], told.fitted[1])))
 
     def extensions(self, one: Scored) -> list[Scored]:
         """Fit the most promising candidates beside the effects of a model."""
@@ -298,7 +299,8 @@ class ContactModels:
         """Score a model at its values: what nothing is fitted to predicts all parts alike."""
         recordings = self.weighed(model)
         scored = self._scored(recordings, fit_at(recordings, model))
-        return replace(scored, left_out=scored.fitted, parameters=0)
+        fitted = scored.found.fitted
+        return replace(scored, left_out=fitted[0], as_exact=fitted[[1, 1]], parameters=0)
 
 
 def _laws(model: Model) -> list[str]:
