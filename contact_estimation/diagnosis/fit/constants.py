@@ -41,5 +41,10 @@ class Constants(NamedTuple):
 
 CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))
 
-ARM = CONSTANTS._replace(ideal=0.0)
-"""Those of a whole arm: many laws share the misfit of a joint, so none may leave a share of it."""
+ARM = CONSTANTS._replace(ideal=0.0, instrument=0.006)
+"""
+Those of a whole arm.
+
+Many laws share the misfit of a joint, so none may leave a share of it, and cables and other laws
+of every rig are within what an instrument leaves.
+"""

@@ -69,12 +69,17 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording
-    cable = None
+    nuisances = list[Array]()
     # Without the motion of a robot the force alone tells the wall, of which a cable may be a part.
     if robot and model.nominal.environment.unilateral and not recording.simulated:
         pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
-        cable = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
-    return replace(recording, discount=Discount.of(np.array(columns).T, cable))
+        nuisances.append(
+            np.pad(recording.force.average(pull), (0, len(here) - recording.block_count)))
+        if 'robot_friction' not in model.effects:
+            rubs = model.with_effect('robot_friction', (least_material(recording),))
+            nuisances.append(residuals(recording, rubs, robust=False) - here)
+    stacked = np.array(nuisances).reshape(-1, len(here))
+    return replace(recording, discount=Discount.of(np.array(columns).T, stacked.T))
 
 
 def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:

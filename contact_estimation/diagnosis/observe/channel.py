@@ -105,31 +105,32 @@ class Discount:
 
     directions: Array  # (R, C) orthonormal
     shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
-    # (R,) residuals of the greatest pull of a cable, if any, of which what fits best is taken away
-    cable: Array | None
+    # (R, B) residuals of the greatest nuisances, each in one channel, of which what fits best is
+    # taken away
+    nuisances: Array
 
     @classmethod
-    def of(cls, columns: Array, cable: Array | None) -> 'Discount':
-        """Discount what uncertain parameters and a cable could explain."""
+    def of(cls, columns: Array, nuisances: Array) -> 'Discount':
+        """Discount what uncertain parameters and nuisances could explain."""
         squares, turns = np.linalg.eigh(columns.T @ columns)
         large = squares > LEAST_VARIANCE
         directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
-        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]), cable)
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]), nuisances)
 
     def apply(self, residuals: Array) -> Array:
         """Whiten residuals."""
-        if self.cable is not None:
-            residuals = residuals - _pull(residuals, self.cable) * self.cable
+        for greatest in self.nuisances.T:
+            residuals = residuals - _size(residuals, greatest) * greatest
         return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))
 
 
-def _pull(residuals: Array, cable: Array) -> float:
-    """Fit the pull of a cable, in the greatest one; large residuals count linearly."""
-    pull = 0.0
+def _size(residuals: Array, greatest: Array) -> float:
+    """Fit the size of a nuisance, in the greatest one; large residuals count linearly."""
+    size = 0.0
     for _ in range(_REWEIGHTED):
-        weighed = cable / np.maximum(np.abs(residuals - pull * cable), ROBUST)
-        pull = min(max(float(weighed @ residuals / (weighed @ cable)), -1.0), 1.0)
-    return pull
+        weighed = greatest / np.maximum(np.abs(residuals - size * greatest), ROBUST)
+        size = min(max(float(weighed @ residuals / (weighed @ greatest)), -1.0), 1.0)
+    return size
 
 
 _WINDOW_S = 0.1
