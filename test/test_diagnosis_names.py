@@ -36,7 +36,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'asymmetric_damping': (30.0,),
     'viscoelastic_relaxation': (500.0, 0.15),
     'fractional_relaxation': (800.0, 0.4),
-    'bouc_wen_hysteresis': (1000.0, 150.0, 40.0),
+    'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),
     'contact_offset': (0.0004,),
     'moving_environment': (0.0003, 1.7, 0.7),
     'beating_environment': (0.0003, 1.7, 0.7, 0.0002, 2.3, -0.5),

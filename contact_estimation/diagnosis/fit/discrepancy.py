@@ -69,17 +69,16 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         columns += [_of_motion(recording, innovations) for innovations in responses]
     if not columns:
         return recording
-    nuisances = list[Array]()
+    nuisances = list[tuple[Array, float]]()
     # Without the motion of a robot the force alone tells the wall, of which a cable may be a part.
     if robot and model.nominal.environment.unilateral and not recording.simulated:
         pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
-        nuisances.append(
-            np.pad(recording.force.average(pull), (0, len(here) - recording.block_count)))
+        pull = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
+        nuisances.append((pull, -1.0))
         if 'robot_friction' not in model.effects:
             rubs = model.with_effect('robot_friction', (least_material(recording),))
-            nuisances.append(residuals(recording, rubs, robust=False) - here)
-    stacked = np.array(nuisances).reshape(-1, len(here))
-    return replace(recording, discount=Discount.of(np.array(columns).T, stacked.T))
+            nuisances.append((here - residuals(recording, rubs, robust=False), 0.0))
+    return replace(recording, discount=Discount.of(np.array(columns).T, nuisances))
 
 
 def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:

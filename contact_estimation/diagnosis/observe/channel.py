@@ -5,6 +5,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Sequence
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -105,12 +106,12 @@ class Discount:
 
     directions: Array  # (R, C) orthonormal
     shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
-    # (R, B) residuals of the greatest nuisances, each in one channel, of which what fits best is
-    # taken away
-    nuisances: Array
+    # residuals (R,) of the greatest of each nuisance, in one channel, of which what fits best is
+    # taken away; and the least of it, in the greatest
+    nuisances: Sequence[tuple[Array, float]]
 
     @classmethod
-    def of(cls, columns: Array, nuisances: Array) -> 'Discount':
+    def of(cls, columns: Array, nuisances: Sequence[tuple[Array, float]]) -> 'Discount':
         """Discount what uncertain parameters and nuisances could explain."""
         squares, turns = np.linalg.eigh(columns.T @ columns)
         large = squares > LEAST_VARIANCE
@@ -119,17 +120,17 @@ class Discount:
 
     def apply(self, residuals: Array) -> Array:
         """Whiten residuals."""
-        for greatest in self.nuisances.T:
-            residuals = residuals - _size(residuals, greatest) * greatest
+        for greatest, least in self.nuisances:
+            residuals = residuals - _size(residuals, greatest, least) * greatest
         return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))
 
 
-def _size(residuals: Array, greatest: Array) -> float:
+def _size(residuals: Array, greatest: Array, least: float) -> float:
     """Fit the size of a nuisance, in the greatest one; large residuals count linearly."""
     size = 0.0
     for _ in range(_REWEIGHTED):
         weighed = greatest / np.maximum(np.abs(residuals - size * greatest), ROBUST)
-        size = min(max(float(weighed @ residuals / (weighed @ greatest)), -1.0), 1.0)
+        size = min(max(float(weighed @ residuals / (weighed @ greatest)), least), 1.0)
     return size
 
 
