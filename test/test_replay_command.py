@@ -185,4 +185,5 @@ def test_a_force_that_is_no_contact_is_said_with_its_reason(
     ce.write_recording(tmp_path / 'pull.mcap', write)
     refusal = command.refusal(tmp_path / 'pull.mcap')
     assert 'no contact seen' in refusal
+    assert 'change the sign of the recorded force' in refusal
     assert refusal.count('a force that is neither that of free flight nor of the wall') == 1

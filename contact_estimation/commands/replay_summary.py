@@ -89,7 +89,8 @@ def refuse_empty(
     if not replayed.samples:
         raise no_usable_sample(recording, replay.session)
     if EstimateStatus.ESTIMATING not in replayed.statuses:
-        raise RecordingError(_nothing_estimated(recording, replay, replayed))
+        raise RecordingError('; '.join(filter(None, (
+            _nothing_estimated(recording, replay, replayed), cause()))))
 
 
 def summary_of(
