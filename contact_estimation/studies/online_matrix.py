@@ -94,8 +94,8 @@ def _measure(t: Array, x: Array, F: Array, draw: np.random.Generator) -> list[Ax
         for k in range(len(stamps))]
 
 
-def estimate_of(world: MatrixWorld) -> MatrixEstimate:
-    """Return the last estimate of a world."""
+def estimate_of(world: MatrixWorld, _: str) -> MatrixEstimate:
+    """Return the last estimate of a world, whatever the estimator of single axes."""
     estimator = StiffnessMatrix(
         StiffnessMatrixParameters(), SynchronisationParameters().timing_std)
     return estimator.process(world.samples, world.contact)[-1]
