@@ -15,7 +15,7 @@ from zlib import crc32
 
 import numpy as np
 
-from . import online_contacts, online_inputs, online_matrix, online_walls
+from . import online_contacts, online_inputs, online_walls
 from .online_row import Row, Score
 from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
@@ -24,8 +24,7 @@ from ..estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ..scheduling import Call
 from ..texts import markdown_table
 
-ROWS: dict[str, Row] = {**online_contacts.ROWS, **online_inputs.ROWS, **online_walls.ROWS,
-                        **online_matrix.ROWS}
+ROWS: dict[str, Row] = {**online_contacts.ROWS, **online_inputs.ROWS, **online_walls.ROWS}
 """All items by name."""
 
 _COLUMNS = ('worlds', 'with estimate', 'K off [%]', 'B off [%]', 'K in 2 std', 'B in 2 std',
