@@ -7,7 +7,7 @@ from contextlib import suppress
 from functools import partial
 from math import isfinite, nan
 import re
-from typing import Any, Callable, Mapping, NamedTuple, Protocol
+from typing import Any, Callable, Mapping, NamedTuple
 
 from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
@@ -89,18 +89,8 @@ class Reading(NamedTuple):
     value: float  # force F_e [N] or position [m]
 
 
-class Readings(Protocol):
-    """The contact axis in raw messages; those that cannot be used raise a `MessageError`."""
-
-    def force(self, raw: bytes) -> Reading | None:
-        """Return F_e of a wrench; None until all joints are known."""
-
-    def position(self, raw: bytes) -> Reading | None:
-        """Return x of a joint state; None until all joints are known."""
-
-
-class AxisReadings(Readings):
-    """A single prismatic axis."""
+class AxisReadings:
+    """A single prismatic axis; messages that cannot be used raise a `MessageError`."""
 
     def __init__(self, parameters: EstimationParameters) -> None:
         self._wrench, self._joints = WrenchDecoder(), JointStateDecoder(parameters.joint)
@@ -115,8 +105,8 @@ class AxisReadings(Readings):
         return Reading(joint.stamp_ns, joint.position)
 
 
-class ArmReadings(Readings):
-    """The normal of an arm, by the kinematics that the estimator uses."""
+class ArmReadings:
+    """The normal of an arm, by the kinematics of the estimator; None until all joints are known."""
 
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
@@ -141,6 +131,9 @@ class ArmReadings(Readings):
             return None
         self._motion = tuple(row[1])
         return Reading(row[0], self._kinematics.motion(self._motion)[2])
+
+
+Readings = AxisReadings | ArmReadings
 
 
 def readings_of(parameters: EstimationParameters, description: str = '') -> Readings | None:
