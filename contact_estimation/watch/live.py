@@ -106,7 +106,7 @@ class AxisReadings:
 
 
 class ArmReadings:
-    """The normal of an arm, by the kinematics of the estimator; None until all joints are known."""
+    """The normal of an arm, as the estimator finds it; None until all joints are known."""
 
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
