@@ -6,6 +6,7 @@
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import nan
+import os
 from pathlib import Path
 from typing import Any, Iterator, Mapping
 
@@ -84,13 +85,15 @@ def test_key_depends_on_recording_model_options_and_version() -> None:
     assert Settings.of(PlantParameters()).key('recording', 'a') in keys
 
 
-def test_tables_and_ros_1_bags_of_a_folder_are_told_and_tables_read_where_named(
+def test_tables_ros_1_bags_and_pipes_of_a_folder_are_told_and_tables_read_where_named(
     tmp_path: Path
 ) -> None:
     for name in ('a.mcap', 'b.csv', 'c.bag', 'notes.md'):
         (tmp_path / name).write_bytes(b'')
+    os.mkfifo(tmp_path / 'live.mcap')
     assert [Path(one.name).name for one in find_recordings([str(tmp_path)])] == ['a.mcap']
-    assert [Path(one).name for one in skipped_files([str(tmp_path)])] == ['b.csv', 'c.bag']
+    assert [Path(one).name for one in skipped_files([str(tmp_path)])] == [
+        'b.csv', 'c.bag', 'live.mcap']
     named = find_recordings([str(tmp_path / '*')])
     assert [Path(one.name).name for one in named] == ['a.mcap', 'b.csv']
 

@@ -186,3 +186,15 @@ def test_a_force_that_is_no_contact_is_said_with_its_reason(
     refusal = command.refusal(tmp_path / 'pull.mcap')
     assert 'no contact seen' in refusal
     assert refusal.count('a force that is neither that of free flight nor of the wall') == 1
+
+
+def test_a_scale_that_reads_what_it_is_pressed_with_is_told_to_have_the_wrong_sign(
+    tmp_path: Path, command: Command
+) -> None:
+    t = np.arange(0.0, 8.0, 0.01)
+    x = np.maximum(0.0, 0.004 * np.sin(np.pi * t / 4.0))
+    noise = np.random.default_rng(1).normal(0.0, 0.01, len(t))
+    ce.write_recording(tmp_path / 'a.mcap', {
+        't_ns': np.round(1e9 * t).astype(np.int64), 'joint.x': x,
+        'wrench.force.x': 500.0 * x + noise})
+    assert 'change the sign of the recorded force' in command.refusal(tmp_path / 'a.mcap')

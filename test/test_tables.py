@@ -150,6 +150,27 @@ def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
     assert signals['wrench.force.x'].tolist() == [2.0, 3.0]
 
 
+def test_scale_and_counter_of_a_bench_have_units(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text(
+        'Millis,Travel (mm),Force raw,Scale (grams)\n100,1.0,7,500\n133,2.0,8,1000\n')
+    found = ce.read_table(tmp_path / 'a.csv', columns={'wrench.force.x': '-4'})
+    assert found['t_ns'].tolist() == [100_000_000, 133_000_000]
+    assert found['joint.x'].tolist() == [1e-3, 2e-3]
+    assert found['wrench.force.x'] == pytest.approx([-4.903325, -9.80665])
+
+
+def test_settings_of_a_machine_are_no_names_and_a_chosen_column_no_other_signal(
+    tmp_path: Path
+) -> None:
+    (tmp_path / 'a.csv').write_text(
+        f'UNIT = gf,mm,s\nRATE = 0.0005,,\n1ST FORCE = ---,---,---\n{ROWS}')
+    (tmp_path / 'b.csv').write_text(f't,load,x\n{ROWS}')
+    assert list(read_columns(tmp_path / 'a.csv')) == ['1', '2', '3']
+    _, found = signals_of_columns(
+        read_columns(tmp_path / 'b.csv'), {'wrench.force.z': '-load'}, (), 'b.csv')
+    assert set(found) == {'wrench.force.z', 'joint.x'}
+
+
 def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n')
     found = ce.read_table(tmp_path / 'a.csv', columns={
@@ -263,7 +284,8 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
 
 
 @pytest.mark.parametrize('header, options, text', [
-    ('t,a,b', {}, "no column for wrench.force.z .* columns: 't', 'a', 'b'; .*--columns"),
+    ('t,a,b', {}, "no column for wrench.force.x .* columns: 't', 'a', 'b'; .*force.x=-COLUMN"),
+    ('t,push,z', {}, '--columns wrench.force.z=COLUMN'),
     ('a,Fz,z', {}, 't=500Hz'),
     ('t,O_F_ext_hat_K_2,K_F_ext_hat_K_2', {}, 'several columns of .* may be wrench.force.z'),
     ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),

@@ -94,7 +94,8 @@ def run(options: Any) -> int:
     if skipped:
         print(f'skipped {len(skipped)} files: {", ".join(skipped[:5])}'
               f'{" and more" if len(skipped) > 5 else ""}; give tables as a quoted pattern, such '
-              "as 'archive/*.csv', and convert ROS 1 bags with rosbags-convert")
+              "as 'archive/*.csv', convert ROS 1 bags with rosbags-convert, and copy what a pipe "
+              'delivers to a file')
     return 0
 
 

@@ -23,7 +23,7 @@ from ..pipeline.replay import RecordingReplay
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 
-_OF_STAMPS = ('stamp_order', 'stamp_bursts', 'clock_offset')
+_EXPLAINING = ('stamp_order', 'stamp_bursts', 'clock_offset', 'force_sign', 'position_sign')
 
 
 def make_parser() -> Parser:
@@ -76,7 +76,7 @@ def run(options: Any) -> int:
 
 
 def _cause(options: Any) -> str:
-    """Return what `diagnose` would say of a recording that gives next to no sample."""
+    """Return what `diagnose` would say of a recording that gives no estimate."""
     from ..diagnosis.checks import check  # slow to import, and seldom needed
     from ..diagnosis.observe.signals import read_recording
     try:
@@ -87,7 +87,7 @@ def _cause(options: Any) -> str:
         checks, _ = check(recording, PlantParameters())
     except ContactEstimationError as error:
         return str(error)
-    return '; '.join(f'{one.name}: {one.text}' for one in checks if one.name in _OF_STAMPS
+    return '; '.join(f'{one.name}: {one.text}' for one in checks if one.name in _EXPLAINING
                      and one.fatal)
 
 

@@ -89,7 +89,7 @@ def refuse_empty(
     if not replayed.samples:
         raise no_usable_sample(recording, replay.session)
     if EstimateStatus.ESTIMATING not in replayed.statuses:
-        raise RecordingError(_nothing_estimated(recording, replay, replayed))
+        raise RecordingError(_nothing_estimated(recording, replay, replayed, cause))
 
 
 def summary_of(
@@ -124,12 +124,14 @@ def summary_of(
     return summary
 
 
-def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
+def _nothing_estimated(
+    recording: str, replay: RecordingReplay, replayed: Replayed, ask: Callable[[], str]
+) -> str:
     """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
     causes = [found.warned.text for found in replay.session.checks.ordered_warnings()
               if found.warned.name != _NO_CAUSE]
-    cause = causes[0] if causes else ''
+    cause = causes[0] if causes else ask()
     free = replayed.statuses == {EstimateStatus.FREE}
     said = '; '.join(filter(None, (
         cause, replay.session.checks.explain_no_contact(axis) if free else '')))
@@ -138,8 +140,9 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
     if free:
         return (f'no contact seen in {recording}: {said}'
                 + f' (of {replayed.samples} samples {held})' * bool(held))
-    return (f'nothing could be estimated in {recording}: '
-            f'{cause or f"no sample in contact could be used ({held})"}')
+    unused = f'no sample in contact could be used ({held})' if not causes else ''
+    return f'nothing could be estimated in {recording}: ' + '; '.join(
+        filter(None, (cause, unused)))
 
 
 def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:

@@ -43,10 +43,14 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
 
 
 def skipped_files(paths: Sequence[str]) -> list[str]:
-    """Find the logs in given folders that are recordings of no kind that is searched for."""
+    """Find the logs in given folders of a kind that is not searched for, and pipes."""
     return [printable(file.as_posix()) for given in paths if os.path.isdir(given)
-            for file in sorted(Path(given).rglob('*'))
-            if (is_table(file) or file.suffix == '.bag') and file.is_file()]
+            for file in sorted(Path(given).rglob('*')) if _is_log(file) and file.exists()
+            and not file.is_dir() and not _is_looked_at(file)]
+
+
+def _is_log(path: Path) -> bool:
+    return path.suffix in (*_SUFFIXES, '.bag') or is_table(path)
 
 
 def _compiled(group_by: str) -> re.Pattern[str]:

@@ -27,13 +27,17 @@ _UNITS: dict[str, tuple[str, float]] = {
     'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
     'kN': ('force', 1e3), 'kgf': ('force', 9.80665), 'gf': ('force', 9.80665e-3),
     'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
+    # A load cell that reads as a scale.
+    **dict.fromkeys(('g', 'gram', 'grams'), ('force', 9.80665e-3)), 'kg': ('force', 9.80665),
     'Nm': ('torque', 1.0), 'Nmm': ('torque', 1e-3),
+    # What an Arduino counts.
+    'millis': ('time', 1e-3), 'micros': ('time', 1e-6),
 }
 """What a unit measures, and its factor to SI."""
 
-# At the end of a name: z [mm], v (mm/s), z / mm, z in mm, z_mm.
+# At the end of a name: z [mm], v (mm/s), z / mm, z in mm, z_mm; or all of it: millis.
 _UNIT = re.compile(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]$'
-                   rf'|(?:\s*[/,_]\s*|\s+in\s+)({"|".join(_UNITS)})$', re.IGNORECASE)
+                   rf'|(?:\s*[/,_]\s*|\s+in\s+|^)({"|".join(_UNITS)})$', re.IGNORECASE)
 
 _RATES = ('velocity', 'acceleration', 'effort')
 _KEY = re.compile(
@@ -52,7 +56,7 @@ _MEASURED = r'(?!.*(?:desired|target|ref|goal|cmd|command|set)).+'
 # that matches counts.
 _NAMES: tuple[tuple[str, str], ...] = (
     (r't|time|timestamp', 't'),
-    (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds)', 't'),
+    (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds|millis|micros)', 't'),
     (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
     (r'(?:(?:actual_)?tcp_)?force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
@@ -109,12 +113,15 @@ def signals_of_columns(
     general = _general(units)
     sources = columns_of_signals(columns, chosen, where)
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
-    for need, key in (('t', 't'), ('wrench.force.', 'wrench.force.z'), ('joint.', 'joint.z')):
+    axis = next((axis for axis in 'yz' if f'joint.{axis}' in sources), 'x')
+    needed = {'t': 't', 'wrench.force.': f'wrench.force.{axis}', 'joint.': 'joint.x'}
+    for need, key in needed.items():
         has_efforts = need == 'wrench.force.' and any(map(is_effort, sources))
         if not has_efforts and not any(found.startswith(need) for found in sources):
             raise RecordingError(
                 f'no column for {key} found by name; {there}; choose with --columns {key}=COLUMN'
-                + (' or, without a column of time, t=500Hz' if key == 't' else ''))
+                + {'t': ' or, without a column of time, t=500Hz', 'joint.x': ''}.get(
+                    key, f', or {key}=-COLUMN where the force is positive while pressing'))
     signals = {}
     for key, source in sources.items():
         if key != 't':
@@ -153,8 +160,9 @@ def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) 
         if not is_rate and column not in columns and column.removeprefix('-') not in columns:
             raise RecordingError(f'--columns {key}={column}: {there}; choose one of these')
     found: dict[str, list[str]] = {}
+    taken = {column if column in columns else column[1:] for column in chosen.values()}
     for rank, key, name in sorted((*_rank_and_key(name), name) for name in columns):
-        if key and key not in chosen and name not in chosen.values():
+        if key and key not in chosen and name not in taken:
             same = [twin for twin in found.get(key, ())
                     if np.array_equal(columns[name], columns[twin], equal_nan=True)]
             if key not in found or rank == _rank_and_key(found[key][0])[0] and not same:
@@ -184,7 +192,8 @@ def _rank_and_key(name: str) -> tuple[int, str]:
     """Return the place in `_NAMES` of what a name means, and the signal; '' for none."""
     if is_key(name):
         return -1, name
-    name = _UNIT.sub('', re.sub(r'^column \d+: ', '', name).strip())  # one of several of that name
+    name = re.sub(r'^column \d+: ', '', name).strip()  # one of several of that name
+    name = _UNIT.sub('', name) or name
     for words in (name, re.sub(r'(?<=[a-z])(?=[A-Z])', '_', name)):  # bagTimestamp
         rank, key = _rank_of(re.sub(r'\W+', '_', words.lower()).strip('_'))
         if key:

@@ -127,6 +127,7 @@ def _names(above: Sequence[list[str]], data: Sequence[list[str]]) -> list[str]:
         count = max(len(_without_end(row)) for row in data)
     above = [row if len(row) == count else _without_end(row) for row in above]
     rows = [[cell.strip('"\' ') for cell in row] for row in above if len(row) == count]
+    rows = [row for row in rows if '=' not in row[0].split()]  # a setting: UNIT = gf,mm
     if not rows:
         return [str(place) for place in range(1, count + 1)]
     units = [''] * count

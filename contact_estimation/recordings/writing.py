@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 import threading
 from types import TracebackType
-from typing import BinaryIO, Callable, Iterator
+from typing import Iterator
 
 from mcap.writer import CompressionType, Writer
 import yaml
@@ -21,88 +21,6 @@ CHUNK_SPAN_NS = 500_000_000
 
 _MESSAGE_RECORD_BYTES = 31  # opcode, length, channel, sequence and two times
 _OTHER_RECORD_BYTES = 128  # at least what a schema or channel record adds to its texts
-
-
-class ChunkWriter:
-    """
-    Write messages in chunks that are small in bytes and short in time.
-
-    SIGKILL destroys only the chunk in progress: at most 0.5 s of log time.
-
-    """
-
-    def __init__(self, stream: BinaryIO) -> None:
-        self._stream = stream
-        self._writer = Writer(stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
-        self._finish_chunk = _chunk_finisher(self._writer)
-        self._schemas: dict[str, int] = {}
-        self._bytes = 0
-        self._start_ns: int | None = None
-        self._writer.start(profile='ros2', library='contact_estimation')
-        stream.flush()
-
-    def add_topic(
-        self, topic: str, type_name: str, definition: str, metadata: dict[str, str]
-    ) -> int:
-        """Register a topic whose messages are CDR; return its channel."""
-        schema = self._schemas.get(type_name)
-        if schema is None:
-            schema = self._writer.register_schema(type_name, 'ros2msg', definition.encode())
-            self._schemas[type_name] = schema
-        self._bytes += len(definition) + sum(map(len, metadata.values())) + _OTHER_RECORD_BYTES
-        return self._writer.register_channel(topic, 'cdr', schema, metadata)
-
-    def add_message(
-        self, channel: int, log_time_ns: int, publish_time_ns: int, data: bytes
-    ) -> None:
-        """Write a message and finish the chunk if it is full or long enough."""
-        self._writer.add_message(channel, log_time_ns, data, publish_time_ns)
-        self._bytes += len(data) + _MESSAGE_RECORD_BYTES
-        if self._start_ns is None:
-            self._start_ns = log_time_ns
-        # Absolute value: the clock of a simulation jumps back when the simulation restarts.
-        span = abs(log_time_ns - self._start_ns)
-        if self._bytes > CHUNK_BYTES or span >= CHUNK_SPAN_NS:
-            self.flush()
-
-    def add_metadata(self, name: str, values: dict[str, str]) -> None:
-        """Write a metadata record."""
-        self._writer.add_metadata(name, values)
-        self._stream.flush()
-
-    def flush(self) -> None:
-        """Finish the chunk in progress and hand it to the operating system."""
-        if self._start_ns is None:
-            return
-        self._finish_chunk()
-        self._stream.flush()
-        self._bytes = 0
-        self._start_ns = None
-
-    def close(self) -> None:
-        """Write the summary and close the file."""
-        self._writer.finish()
-        self._stream.close()
-
-
-def _chunk_finisher(writer: Writer) -> Callable[[], None]:
-    """
-    Find how to end a chunk early.
-
-    Older versions of the package mcap have a private method instead of `Writer.flush`. Without
-    either, chunks end at 64 KiB, and a kill at a low message rate loses more than 0.5 s.
-
-    """
-    public = getattr(writer, 'flush', None)
-    if public is not None:
-        return public
-    return getattr(writer, '_Writer__finalize_chunk', _nothing)
-
-
-def _nothing() -> None:
-    """Leave ending chunks to the writer."""
-
-
 _DEFAULT_QOS = OfferedQos()
 
 
@@ -110,7 +28,9 @@ class RecordingWriter:
     """
     Write messages as they arrive; created by `folder` or `file`.
 
-    Methods may be called from several threads: a timer flushes while another thread writes.
+    Chunks are small in bytes and short in time: SIGKILL destroys only the one in progress, at most
+    0.5 s of log time. Methods may be called from several threads: a timer flushes while another
+    thread writes.
 
     path: the .mcap file
     """
@@ -120,12 +40,19 @@ class RecordingWriter:
         self._bag_folder = bag_folder
         self._lock = threading.Lock()
         self._topics: dict[str, RecordedTopic] = {}
+        self._schemas: dict[str, int] = {}
         self._span_ns: tuple[int, int] | None = None
+        self._chunk_bytes = 0
+        self._chunk_start_ns: int | None = None
         self._closed = False
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             # 'x': between two processes with the same output, the second fails.
-            self._chunks = ChunkWriter(open(path, 'xb'))
+            self._stream = open(path, 'xb')
+            self._writer = Writer(
+                self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+            self._writer.start(profile='ros2', library='contact_estimation')
+            self._stream.flush()
         except FileExistsError:
             raise _exists(path) from None
         except OSError as error:
@@ -173,8 +100,15 @@ class RecordingWriter:
                     f'topic {topic!r} is recorded as {entry.type_name}, got a {type_name}; '
                     'record it under another name')
             published = log_time_ns if publish_time_ns is None else publish_time_ns
-            self._chunks.add_message(entry.channel, log_time_ns, published, data)
+            self._writer.add_message(entry.channel, log_time_ns, data, published)
             entry.message_count += 1
+            self._chunk_bytes += len(data) + _MESSAGE_RECORD_BYTES
+            if self._chunk_start_ns is None:
+                self._chunk_start_ns = log_time_ns
+            # Absolute value: the clock of a simulation jumps back when the simulation restarts.
+            span = abs(log_time_ns - self._chunk_start_ns)
+            if self._chunk_bytes > CHUNK_BYTES or span >= CHUNK_SPAN_NS:
+                self._finish_chunk()
             begin, end = self._span_ns or (log_time_ns, log_time_ns)
             self._span_ns = min(begin, log_time_ns), max(end, log_time_ns)
 
@@ -182,13 +116,14 @@ class RecordingWriter:
         """Write named texts, such as the parameters at start."""
         with self._writing():
             self._require_open()
-            self._chunks.add_metadata(name, values)
+            self._writer.add_metadata(name, values)
+            self._stream.flush()
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system, where a kill cannot reach."""
         with self._writing():
             if not self._closed:
-                self._chunks.flush()
+                self._finish_chunk()
 
     def close(self) -> None:
         """Finish the recording; further calls do nothing."""
@@ -210,31 +145,42 @@ class RecordingWriter:
         """Finish the recording, also after an error, to keep what was recorded."""
         self.close()
 
+    def _finish_chunk(self) -> None:
+        """Hand the chunk in progress to the operating system."""
+        if self._chunk_start_ns is not None:
+            # Old versions of the package mcap have a private method instead of `flush`.
+            (getattr(self._writer, 'flush', None) or getattr(
+                self._writer, '_Writer__finalize_chunk'))()
+            self._stream.flush()
+            self._chunk_bytes, self._chunk_start_ns = 0, None
+
     def _finish(self) -> None:
         """Write the metadata that rosbag2 adds at the end and close the file."""
-        if self._bag_folder is None:
-            self._chunks.close()
-            return
         information = bag_information(
             self.path.name, self._topics.values(), *(self._span_ns or (0, 0)))
-        self._chunks.flush()
-        # rosbag2 keeps a copy of metadata.yaml in the file, for `ros2 bag info FILE`.
-        self._chunks.add_metadata(
-            'rosbag2', {'serialized_metadata': yaml.safe_dump(information, sort_keys=False)})
-        self._chunks.close()
-        write_bag_metadata(self._bag_folder, information)
+        if self._bag_folder is not None:
+            self._finish_chunk()
+            # rosbag2 keeps a copy of metadata.yaml in the file, for `ros2 bag info FILE`.
+            self._writer.add_metadata(
+                'rosbag2', {'serialized_metadata': yaml.safe_dump(information, sort_keys=False)})
+        self._writer.finish()
+        self._stream.close()
+        if self._bag_folder is not None:
+            write_bag_metadata(self._bag_folder, information)
 
     def _add_topic(self, topic: str, type_name: str, qos: OfferedQos) -> RecordedTopic:
         """Register a topic as rosbag2 does."""
         definition = message_definition(type_name)
-        channel = self._chunks.add_topic(
-            topic,
-            type_name,
-            definition.text,
-            {'offered_qos_profiles': qos.as_text(), 'topic_type_hash': definition.type_hash},
-        )
-        entry = RecordedTopic(topic, type_name, definition.type_hash, qos, channel)
-        self._topics[topic] = entry
+        if type_name not in self._schemas:
+            self._schemas[type_name] = self._writer.register_schema(
+                type_name, 'ros2msg', definition.text.encode())
+        metadata = {'offered_qos_profiles': qos.as_text(),
+                    'topic_type_hash': definition.type_hash}
+        channel = self._writer.register_channel(topic, 'cdr', self._schemas[type_name], metadata)
+        self._chunk_bytes += (len(definition.text) + sum(map(len, metadata.values()))
+                              + _OTHER_RECORD_BYTES)
+        entry = self._topics[topic] = RecordedTopic(
+            topic, type_name, definition.type_hash, qos, channel)
         return entry
 
     def _require_open(self) -> None:

@@ -50,7 +50,7 @@ class WatchNode(Node):
         own = build(WatchParameters, declare(self, specifications(WatchParameters)))
         self._view, self._lock = ContactView(own.estimator), Lock()
         print(f'watch: {show(self._view, own.show, own.follow_s)}', flush=True)
-        self._live = LiveContact(self._view.log, own.estimator, sparing=True)
+        self._live = LiveContact(self._view.log, own.estimator)
         self._data = RawSubscriptions(self)
         for topic, type_name, callback, latched in self._live.subscriptions():
             self._data.subscribe(topic, type_name, topics.EVENTS_QOS if latched else _QOS,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .online_worlds import Sensor, Stream, Wall, World
 from .paths import Array, Piece, ramp, sines, start
+from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import EstimateStatus
 from ..estimators.multiple_model import LAWS
 from ..parameters import changed
@@ -62,10 +63,11 @@ class Score(NamedTuple):
     more: Mapping[str, Any] = {}  # whatever else a row measures, by name and unit
 
 
-def follow(world: World, more: Mapping[str, Any] | None = None) -> Trace:
-    """Feed a session, with further parameters by dotted name, as node and replay do."""
-    session = ContactSession(changed(EstimationParameters(), {**world.parameters, **(more or {})}),
-                             generate_reference=False)
+def follow(world: World, estimator: str) -> Trace:
+    """Feed a session as node and replay do."""
+    session = ContactSession(
+        changed(EstimationParameters(), {**world.parameters, 'estimator': estimator}),
+        generate_reference=False)
     times: dict[int, float] = {}
     rows: list[tuple[Any, ...]] = []
     warnings: list[tuple[float, str, str]] = []
@@ -198,14 +200,14 @@ class Row(NamedTuple):
     # makes a world from a generator and its index
     make: Callable[[np.random.Generator, int], Any]
     score: Callable[[Any, Any], Score]  # scores a trace of a world
-    trace: Callable[[Any], Any] = follow  # with default parameters
+    trace: Callable[[Any, str], Any] = follow  # with an estimator
 
     def run(
-        self, draw: np.random.Generator, index: int, trace: Callable[[Any], Any] | None = None
+        self, draw: np.random.Generator, index: int, estimator: str = MULTIPLE_MODEL
     ) -> Score:
         """Make, follow and score one world."""
         world = self.make(draw, index)
-        return self.score(world, (trace or self.trace)(world))
+        return self.score(world, self.trace(world, estimator))
 
 
 def spread(index: int, low: float = 300.0, high: float = 3e4) -> float:

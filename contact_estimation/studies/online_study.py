@@ -2,81 +2,33 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """
-Measure on-line estimation in simulated worlds: the defaults by row, or all estimators.
+Measure on-line estimation in simulated worlds, by row.
 
 The worlds are independent of `plant`: motions, walls and sensors of their own (`online_worlds`).
 Their messages pass `ContactSession` as those of the node and of replay do.
 """
 
 from collections import Counter
-from functools import partial
 from math import isfinite, nan
-from typing import Any, Callable, Iterable, Mapping, Sequence
+from typing import Any, Mapping, Sequence
 from zlib import crc32
 
 import numpy as np
 
-from . import online_contacts, online_inputs, online_matrix, online_walls
-from .online_row import follow, messages, Row, Score, Trace
-from .online_worlds import World
+from . import online_contacts, online_inputs, online_walls
+from .online_row import Row, Score
 from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ..commands.progress import computed
-from ..estimators import ONLINE_ESTIMATORS
-from ..exceptions import ParameterRangeError
+from ..estimators import MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ..scheduling import Call
-from ..signals.synchronisation import SynchronisationParameters, Synchroniser
 from ..texts import markdown_table
 
-_TOUCH = 6.0  # standard deviations of the force noise above which the peer updates
-_START = np.array([3000.0, 50.0])
-_START_STD = np.array([1e5, 1e4])
-_WALK = 0.02  # of filterpy's state relative to its values [1/sqrt(s)]
-
-
-def filterpy_trace(world: World) -> Trace:
-    """Run filterpy's filter on paired samples, x_e as told and the true noise, as its manual."""
-    from filterpy.kalman import KalmanFilter
-
-    kalman, sensor = KalmanFilter(dim_x=2, dim_z=1), world.truth.sensor
-    kalman.x, kalman.P = _START[:, None].copy(), np.diag(_START_STD**2)
-    surface = world.parameters['environment.location']
-    synchroniser = Synchroniser(SynchronisationParameters())
-    times = dict(zip(world.wrenches.stamp_ns.tolist(), world.wrenches.t.tolist()))
-    last, rows = (0.0, surface), []
-    for _, kind, stamp_ns, values in messages(world.wrenches, world.motions):
-        add = synchroniser.add_wrench if kind else synchroniser.add_motion
-        for (sample, *_) in add(stamp_ns, tuple(values)):
-            t, x, v = times[sample.stamp_ns], sample.position, sample.velocity
-            if v != v:  # not measured
-                v = (x - last[1]) / (t - last[0]) if t > last[0] > 0.0 else 0.0
-            last = t, x
-            touching = -sample.force > _TOUCH * sensor.noise and x > surface
-            if touching:
-                walk = _WALK * np.maximum(np.abs(kalman.x[:, 0]), _START / 10.0)
-                kalman.predict(Q=np.diag(walk**2 / sensor.rate))
-                kalman.update(-sample.force, R=sensor.noise**2, H=np.array([[x - surface, v]]))
-            rows.append((t, *kalman.x[:, 0], *np.sqrt(np.diag(kalman.P)), touching))
-    t, K, B, K_std, B_std, contact = np.array(rows).T
-    return Trace(t, K, B, K_std, B_std, np.full_like(t, surface), contact == 1.0, [], [], '')
-
-
-CANDIDATES: dict[str, Callable[[World], Trace]] = {
-    **{name: partial(follow, more={'estimator': name}) for name in ONLINE_ESTIMATORS},
-    'indirect_adaptive, normalised': partial(follow, more={
-        'estimator': 'indirect_adaptive', 'tuning.indirect_adaptive.normalised': True}),
-    'filterpy Kalman, bare': filterpy_trace,
-}
-"""By name; each makes a trace of a world."""
-
-ROWS: dict[str, Row] = {**online_contacts.ROWS, **online_inputs.ROWS, **online_walls.ROWS,
-                        **online_matrix.ROWS}
+ROWS: dict[str, Row] = {**online_contacts.ROWS, **online_inputs.ROWS, **online_walls.ROWS}
 """All items by name."""
 
 _COLUMNS = ('worlds', 'with estimate', 'K off [%]', 'B off [%]', 'K in 2 std', 'B in 2 std',
             'more')
-_COMPARED = 'end_of_contact', 'end_of_contact_as_told', 'steps', 'drift'  # by default
-_DEFAULT = ''  # the candidate with default parameters
 
 
 def make_parser() -> Parser:
@@ -89,9 +41,8 @@ def make_parser() -> Parser:
         'deviations.')
     parser.add_argument('--only', nargs='+', metavar='ROW', choices=tuple(ROWS),
                         help=f'any of {", ".join(ROWS)} (all)')
-    parser.add_argument('--estimators', nargs='*', metavar='NAME', choices=tuple(CANDIDATES),
-                        help='compare these, or all without a NAME, in a table for each row '
-                        f'({", ".join(_COMPARED)}): {", ".join(CANDIDATES)}')
+    parser.add_argument('--estimator', choices=tuple(ONLINE_ESTIMATORS), default=MULTIPLE_MODEL,
+                        help=f'whose estimates are measured, with defaults ({MULTIPLE_MODEL})')
     parser.add_argument('--json', metavar='FILE', help='write the summary and every world as JSON')
     parser.add_argument('--quick', action='store_true', help='fewer worlds')
     parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
@@ -101,49 +52,30 @@ def make_parser() -> Parser:
 
 
 def run(options: Any) -> int:
-    """Measure, and print a table: a line for each group of worlds, or for each estimator."""
+    """Measure, and print a table: a line for each group of worlds."""
     require_at_least(options, seed=0, jobs=1)
     check_outputs([options.json], {})
-    compared = options.estimators is not None
-    rows = options.only or (_COMPARED if compared else ROWS)
-    if compared and not set(rows).isdisjoint(online_matrix.ROWS):
-        raise ParameterRangeError('--estimators compares estimates of one axis, got the row '
-                                  f'{", ".join(online_matrix.ROWS)}; leave it out of --only')
-    names = (options.estimators or list(CANDIDATES)) if compared else [_DEFAULT]
-    scores = _scores(names, rows, options)
-    if compared:
-        tables = {row: [summary(name, scores[name, row]) for name in names] for row in rows}
-    else:
-        tables = {'row': [
-            summary(f'{row}: {group}' if group else row, [
-                one for one in scores[_DEFAULT, row] if one.group == group])
-            for row in rows for group in dict.fromkeys(s.group for s in scores[_DEFAULT, row])]}
-    print(as_markdown(tables))
-    worlds = {f'{row} {name}'.strip(): [one._asdict() for one in group]
-              for (name, row), group in scores.items()}
-    write_results(options, {'json': lambda: as_json({'tables': tables, 'worlds': worlds})})
+    worlds = [(row, world) for row in options.only or ROWS
+              for world in range(ROWS[row].quick if options.quick else ROWS[row].worlds)]
+    found = computed('online_study', {
+        f'{row} {world}': Call(scored, (options.estimator, row, world, options.seed))
+        for row, world in worlds}, options.jobs)
+    scores: dict[str, list[Score]] = {}
+    for row, world in worlds:
+        scores.setdefault(row, []).append(found[f'{row} {world}'])
+    rows = [summary(f'{row}: {group}' if group else row, [
+        one for one in own if one.group == group])
+        for row, own in scores.items() for group in dict.fromkeys(s.group for s in own)]
+    print(as_markdown(rows))
+    write_results(options, {'json': lambda: as_json({'rows': rows, 'worlds': {
+        row: [one._asdict() for one in own] for row, own in scores.items()}})})
     return 0
 
 
-def _scores(
-    candidates: Sequence[str], rows: Iterable[str], options: Any
-) -> dict[tuple[str, str], list[Score]]:
-    """Return the scores of each candidate in each row."""
-    tasks = [(candidate, row, world, options.seed) for row in rows for candidate in candidates
-             for world in range(ROWS[row].quick if options.quick else ROWS[row].worlds)]
-    calls = {f'{row} {world} {candidate}': Call(scored, (candidate, row, world, seed))
-             for candidate, row, world, seed in tasks}
-    found = computed('online_study', calls, options.jobs)
-    scores: dict[tuple[str, str], list[Score]] = {}
-    for (candidate, row, *_), key in zip(tasks, calls):
-        scores.setdefault((candidate, row), []).append(found[key])
-    return scores
-
-
-def scored(candidate: str, row: str, world: int, seed: int) -> Score:
-    """Return the score of a candidate in a world, given by its index."""
+def scored(estimator: str, row: str, world: int, seed: int) -> Score:
+    """Return the score of an estimator in a world, given by its index."""
     draw = np.random.default_rng([seed, crc32(row.encode()), world])
-    return ROWS[row].run(draw, world, CANDIDATES.get(candidate))
+    return ROWS[row].run(draw, world, estimator)
 
 
 def summary(name: str, scores: Sequence[Score]) -> dict[str, Any]:
@@ -184,12 +116,12 @@ def _more(found: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return summaries
 
 
-def as_markdown(tables: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
-    """Format summaries as Markdown tables, each with its title in the first column."""
-    return '\n\n'.join(markdown_table([title, *_COLUMNS], (
+def as_markdown(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Format summaries as a Markdown table."""
+    return markdown_table(('row', *_COLUMNS), (
         [row['row'], row['worlds'], *(_text(row[key]) for key in _COLUMNS[1:-1]),
          '; '.join(f'{key} {_text(value)}' for key, value in row['more'].items() if value)]
-        for row in rows)) for title, rows in tables.items())
+        for row in rows))
 
 
 def _text(value: Any) -> str:

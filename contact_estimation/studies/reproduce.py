@@ -16,6 +16,7 @@ from .paper_figures import plot_figures
 from ..commands.command_line import (
     as_json, check_outputs, command, Parser, require_at_least, write_results)
 from ..commands.progress import Progress
+from ..texts import markdown_table
 
 _NAMES = 'stiffness', 'damping'
 
@@ -56,19 +57,15 @@ def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
 
 
 def as_text(rows: list[dict[str, Any]]) -> str:
-    """Format the table."""
-    lines = [
-        f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
-        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]']
-    for row in rows:
-        pairs = [
-            _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
-            for kind in ('error', 'rms', 'average', 'bound')]
-        paper = _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)
-        lines.append(
-            f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
-            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}')
-    return '\n'.join(lines)
+    """Format the table: K_e / B_e [%]."""
+    kinds = 'error_percent', 'rms_percent', 'average_percent', 'bound_percent'
+    return markdown_table(
+        ('case', 'estimator', 'law', 'median abs. error [%]', 'RMS error', 'error of average',
+         'bound', 'paper'),
+        ([row['case'], row['estimator'], row['law'],
+          *(_pair(*(row[f'{name}_{kind}'] for name in _NAMES)) for kind in kinds),
+          _pair(row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1)]
+         for row in rows))
 
 
 def _pair(stiffness: float | None, damping: float | None, digits: int = 3) -> str:

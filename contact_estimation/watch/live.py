@@ -7,7 +7,7 @@ from contextlib import suppress
 from functools import partial
 from math import isfinite, nan
 import re
-from typing import Any, Callable, Mapping, NamedTuple, Protocol
+from typing import Any, Callable, Mapping, NamedTuple
 
 from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
@@ -17,9 +17,8 @@ from ..pipeline.arm_kinematics import described_in_file, kinematics_of
 from ..pipeline.events import DESCRIPTION, EstimationEvent, START
 from ..pipeline.parameters import EstimationParameters
 from ..recordings.decoding import (
-    decode_diagnostics, decode_float64, decode_string, DIAGNOSTICS_TYPE, FORCE_OF_AXIS,
-    ForceTorqueDecoder, JointsDecoder, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder,
-    WrenchDecoder)
+    decode_diagnostics, decode_string, DIAGNOSTICS_TYPE, FORCE_OF_AXIS, ForceTorqueDecoder,
+    JointsDecoder, JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder)
 from ..signals.joint_merging import JointMerger
 
 INFO, WARNING = 'INFO', 'WARN'
@@ -90,18 +89,8 @@ class Reading(NamedTuple):
     value: float  # force F_e [N] or position [m]
 
 
-class Readings(Protocol):
-    """The contact axis in raw messages; those that cannot be used raise a `MessageError`."""
-
-    def force(self, raw: bytes) -> Reading | None:
-        """Return F_e of a wrench; None until all joints are known."""
-
-    def position(self, raw: bytes) -> Reading | None:
-        """Return x of a joint state; None until all joints are known."""
-
-
-class AxisReadings(Readings):
-    """A single prismatic axis."""
+class AxisReadings:
+    """A single prismatic axis; messages that cannot be used raise a `MessageError`."""
 
     def __init__(self, parameters: EstimationParameters) -> None:
         self._wrench, self._joints = WrenchDecoder(), JointStateDecoder(parameters.joint)
@@ -116,8 +105,8 @@ class AxisReadings(Readings):
         return Reading(joint.stamp_ns, joint.position)
 
 
-class ArmReadings(Readings):
-    """The normal of an arm, by the kinematics that the estimator uses."""
+class ArmReadings:
+    """The normal of an arm, as the estimator finds it; None until all joints are known."""
 
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
@@ -144,6 +133,9 @@ class ArmReadings(Readings):
         return Reading(row[0], self._kinematics.motion(self._motion)[2])
 
 
+Readings = AxisReadings | ArmReadings
+
+
 def readings_of(parameters: EstimationParameters, description: str = '') -> Readings | None:
     """Return what reads the messages of a configured estimator."""
     if not parameters.kinematics.tip:
@@ -158,7 +150,7 @@ def readings_of(parameters: EstimationParameters, description: str = '') -> Read
 
 WRENCH, JOINTS = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
 TRAJECTORY, VECTOR = 'trajectory_msgs/msg/JointTrajectory', 'geometry_msgs/msg/Vector3Stamped'
-FLOAT, TEXT = 'std_msgs/msg/Float64', 'std_msgs/msg/String'
+TEXT = 'std_msgs/msg/String'
 
 
 class Subscription(NamedTuple):
@@ -174,15 +166,12 @@ class Subscription(NamedTuple):
 class LiveContact:
     """What a running estimator and its inputs publish, less what cannot be used."""
 
-    def __init__(
-        self, log: ContactLog, estimator: str = 'estimator_node', sparing: bool = False
-    ) -> None:
-        self._log, self._estimator, self._sparing = log, estimator, sparing
+    def __init__(self, log: ContactLog, estimator: str = 'estimator_node') -> None:
+        self._log, self._estimator = log, estimator
         self._vectors = Vector3StampedDecoder()
         self._trajectories = TrajectoryDecoder()
         self._axis, self._stamp_ns, self._waiting = 'x', 0, ''
         self._stds: dict[str, float] = {}
-        self._last = {'stiffness': Reading(0, nan), 'damping': Reading(0, nan)}
         self._parameters = build(EstimationParameters, {})
         self._description = ''
         self._readings: Readings | None = readings_of(self._parameters)
@@ -190,7 +179,7 @@ class LiveContact:
     def subscriptions(self) -> list[Subscription]:
         """Return what the view needs."""
         own = self._estimator
-        needed = [
+        return [
             Subscription('wrench', WRENCH, self._on_wrench),
             Subscription('joint_states', JOINTS, self._on_joints),
             Subscription('desired_trajectory', TRAJECTORY,
@@ -202,13 +191,6 @@ class LiveContact:
             Subscription('/diagnostics', DIAGNOSTICS_TYPE, self._on_diagnostics),
             Subscription(f'{own}/status', TEXT, self._on_status, latched=True),
             Subscription(f'{own}/events', TEXT, self._on_event, latched=True)]
-        if self._sparing:
-            return needed
-        return [
-            *needed,
-            Subscription(f'{own}/stiffness_std', VECTOR, partial(self._on_std, 'stiffness')),
-            Subscription(f'{own}/damping_std', VECTOR, partial(self._on_std, 'damping')),
-            Subscription(f'{own}/model_fit', FLOAT, self._on_fit)]
 
     # -- topics -----------------------------------------------------------------------------
 
@@ -237,30 +219,11 @@ class LiveContact:
 
     def _on_estimate(self, key: str, raw: bytes) -> None:
         stamp_ns, value = self._component(raw)
-        if self._sparing:
-            self._log.add_estimate(key, stamp_ns, value, self._stds.get(key, nan))
-            return
-        self._add_last(key)  # its deviation was dropped
-        self._last[key] = Reading(stamp_ns, value)
-
-    def _on_std(self, key: str, raw: bytes) -> None:
-        stamp_ns, std = self._component(raw)
-        if stamp_ns == self._last[key].stamp_ns:
-            self._add_last(key, std)
-
-    def _add_last(self, key: str, std: float = nan) -> None:
-        """Add the last estimate, once."""
-        last, self._last[key] = self._last[key], Reading(0, nan)
-        if last.stamp_ns:
-            self._log.add_estimate(key, *last, std)
+        self._log.add_estimate(key, stamp_ns, value, self._stds.get(key, nan))
 
     def _component(self, raw: bytes) -> tuple[int, float]:
         stamp_ns, *vector = self._vectors.decode(raw)
         return stamp_ns, vector['xyz'.index(self._axis)]
-
-    def _on_fit(self, raw: bytes) -> None:
-        if self._stamp_ns:  # the message has no stamp
-            self._log.add('model_fit/ratio', self._stamp_ns, decode_float64(raw))
 
     def _on_diagnostics(self, raw: bytes) -> None:
         for _, name, _, values in decode_diagnostics(raw):
@@ -272,9 +235,9 @@ class LiveContact:
             return
         active = [text for key, text in values.items() if key.startswith('warning_')]
         self._log.add_checks(self._stamp_ns, {_without_numbers(text): text for text in active})
-        self._stds = {key: float(values.get(f'{key}_std', nan)) for key in self._last}
-        if self._sparing:
-            self._log.add('model_fit/ratio', self._stamp_ns, float(values.get('model_fit', nan)))
+        self._stds = {
+            key: float(values.get(f'{key}_std', nan)) for key in ('stiffness', 'damping')}
+        self._log.add('model_fit/ratio', self._stamp_ns, float(values.get('model_fit', nan)))
 
     def _on_status(self, raw: bytes) -> None:
         text = decode_string(raw)

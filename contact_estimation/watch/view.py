@@ -180,9 +180,7 @@ def _add(log: ContactLog, estimate: Estimate) -> None:
 _PERIOD_S = 0.1
 
 
-def follow_recording(
-    view: ContactView, path: Path, estimator: str, stopped: Event, period_s: float = _PERIOD_S
-) -> None:
+def follow_recording(view: ContactView, path: Path, estimator: str, stopped: Event) -> None:
     """Show an MCAP recording, which may not exist yet, until it is finished."""
     live = LiveContact(view.log, estimator)
     callbacks = {topic: callback for topic, _, callback, _ in live.subscriptions()}
@@ -191,7 +189,7 @@ def follow_recording(
         for topic, _, raw in recording.new_messages():
             callbacks[topic](raw)
         view.flush()
-        stopped.wait(period_s)
+        stopped.wait(_PERIOD_S)
 
 
 WINDOW, WEB = 'window', 'web'

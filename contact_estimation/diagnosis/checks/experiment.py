@@ -116,9 +116,11 @@ def constant_speed(evidence: Evidence) -> Finding:
            'its range'
     if bend > STRAIGHT:
         return Finding(True, text)
-    return Finding(False, f'{text}: laws of time and speed look like laws of depth, and only the '
-                          'latter are named; record the way back or a hold, or another speed and '
-                          'diagnose both recordings together', fatal=False)
+    return Finding(False, f'{text}: laws of time and speed, and what yields for good, look like '
+                          'laws of depth, and only the latter are named; which of them fit about '
+                          'as well may differ from stroke to stroke. Record the way back or a '
+                          'hold, or another speed and diagnose both recordings together',
+                   fatal=False)
 
 
 def command_topic(evidence: Evidence) -> Finding:

@@ -131,7 +131,8 @@ def improvement(diagnosis: Diagnosis) -> str:
     if diagnosis.improvement is None or not diagnosis.effects:
         return ''
     low, high = (100.0 * value for value in diagnosis.improvement)
-    little = '; the force there tells little of the names' if low <= 0.0 else ''
+    little = ('; the force there tells little of the names: test them on a recording in which '
+              'they act, with --holdout') if low <= 0.0 else ''
     return (f'the corrected force error is {low:.0f} to {high:.0f} % below the recalibrated one '
             f'(95 % interval){little}')
 

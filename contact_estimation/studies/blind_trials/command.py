@@ -13,7 +13,7 @@ from .arm_trials import arm_text, plan_arms, scored
 from .calibration import calibrate, judged
 from .foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 from .running import run_trials, TrialFiles
-from .scoring import as_dict, as_text, plot_reliability, score
+from .scoring import as_dict, as_text, score
 from .settings import EFFECTS_OF_A_WALL, IDEAL, RIGS
 from .trial import draw_trial, write_trial
 from ...commands.command_line import (
@@ -111,8 +111,8 @@ def make_parser() -> Parser:
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='Dask scheduler whose workers to use, such as tcp://host:8786')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
-                        help='folder of recordings, reports, truths, table.txt and '
-                        'reliability.png (blind_trials_output)')
+                        help='folder of recordings, reports, truths and table.txt '
+                        '(blind_trials_output)')
     parser.add_argument('--json', metavar='FILE', help='write the scores as JSON')
     return parser
 
@@ -164,7 +164,6 @@ def _report(
         fitted = calibrate([one for one in map(judged, *zip(*told)) if one is not None])
         print(fitted.text())
         fitted.write(Path(options.calibrate))
-    print(f'wrote {plot_reliability(scores, folder / "reliability.png")}')
 
 
 main = command(make_parser, run)

@@ -2,21 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """
-Scores of blind diagnoses: of each report, summed by kind, and as table, JSON and figure.
+Scores of blind diagnoses: of each report, summed by kind, and as table and JSON.
 
 A name is right if it, or one that its report calls indistinguishable from it, is acceptable: in a
 world that obeys the library's laws the concealed effect alone, on a rig the effects of a family.
 """
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from statistics import median
 from typing import AbstractSet, Any, Mapping, NamedTuple, Sequence
 
-from scipy.stats import binomtest
-
 from ...exceptions import RecordingError
-from ...figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
 from ...physics import EFFECTS
 
 NEUTRAL = ('force_bias', 'contact_offset')
@@ -195,31 +191,6 @@ def calibration_text(scores: Sequence[Score]) -> str:
                        for value in (row.mean, row.share_right))
         lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{mean:>8} {right:>8}')
     return '\n'.join(lines)
-
-
-@figure_style()
-def plot_reliability(scores: Sequence[Score], path: Path) -> Path:
-    """Plot how often names of a reported probability are right."""
-    figure, axis = require_matplotlib().subplots(figsize=(4.2, 4.0))
-    axis.plot([0.0, 1.0], [0.0, 1.0], color=MUTED, lw=1.0)
-    axis.fill_between([0.0, 1.0], [-0.1, 0.9], [0.1, 1.1], color=GREY, alpha=0.12, lw=0.0,
-                      label='within 0.1')
-    for row in reliability(scores):
-        if row.mean is not None and row.share_right is not None:
-            # The interval of a share of so few (Wilson 1927).
-            low, high = binomtest(round(row.share_right * row.names), row.names).proportion_ci(
-                method='wilson')
-            axis.plot([row.mean, row.mean], [low, high], color=BLUE, lw=1.5)
-            axis.plot(row.mean, row.share_right, 'o', color=BLUE, ms=6.0)
-            axis.annotate(str(row.names), (row.mean, high), (0.0, 3.0), ha='center', fontsize=8,
-                          textcoords='offset points')
-    axis.set(xlim=(0.0, 1.02), ylim=(0.0, 1.1), xlabel='probability reported (mean of the bin)',
-             ylabel='share of names of a right family')
-    axis.set_title('number of names above each interval of 95 %')
-    axis.legend(loc='upper left')
-    figure.savefig(path)
-    require_matplotlib().close(figure)
-    return path
 
 
 def outcomes(scores: Sequence[Score]) -> dict[str, int]:
