@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Speed of estimators and replay, each against a reference in the same run."""
+"""Speed of node, estimators and replay, each against a reference in the same run."""
 
 from contextlib import redirect_stderr, redirect_stdout
 from functools import partial
@@ -219,8 +219,15 @@ def replay_benchmark(options: Any) -> list[dict[str, Any]]:
             for name, own in spent.items()]
 
 
+def node_benchmark(options: Any) -> list[dict[str, Any]]:
+    """Compare the node with one that only echoes; imported here, as it needs ROS."""
+    from .speed_nodes import compared_nodes
+
+    return compared_nodes(options.estimator)
+
+
 BENCHMARKS: Mapping[str, Callable[[Any], list[dict[str, Any]]]] = {
-    'estimators': estimator_benchmark, 'replay': replay_benchmark}
+    'estimators': estimator_benchmark, 'node': node_benchmark, 'replay': replay_benchmark}
 
 
 def make_parser() -> Parser:
@@ -228,11 +235,14 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='studies speed',
         description='Measure run times and their ratios to a reference measured in the same run: '
-        "estimators against filterpy's KalmanFilter, replay against rosbags deserialising the "
-        'same file. Other load on the machine affects all times; the ratios are the most robust.')
+        "estimators against filterpy's KalmanFilter, the node against an rclpy node that only "
+        'echoes, replay against rosbags deserialising the same file. Other load on the machine '
+        'affects all times; the ratios are the most robust.')
     parser.add_argument('which', nargs='*', metavar='BENCHMARK',
                         help=f'any of {", ".join(BENCHMARKS)} (all)')
     parser.add_argument('--json', metavar='FILE', help='write all results as JSON')
+    parser.add_argument('--estimator', choices=ONLINE_ESTIMATORS, default=MULTIPLE_MODEL,
+                        help=f'estimator of the node ({MULTIPLE_MODEL})')
     parser.add_argument('--recording', metavar='RECORDING',
                         help='replay this, with wrench and joint_states (a simulated one)')
     return parser
