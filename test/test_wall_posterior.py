@@ -281,6 +281,16 @@ def held(law: Callable[[Array, Array], Array], depth: float, seed: int) -> Sampl
                    0.1 + d + 5e-6 * draw.standard_normal(len(t)), d)
 
 
+def test_noise_of_the_position_does_not_hide_the_damping_of_a_slow_press() -> None:
+    samples = held(lambda t, d: 17e3 * d + 550.0 * np.gradient(d, t), 1.3e-3, 1)
+    draw = np.random.default_rng(2)
+    posterior = WallPosterior(0.1, 0.0, NO_LAG)
+    x = samples.x + 1e-5 * draw.standard_normal(len(samples.x))
+    known = fed(samples._replace(x=x), posterior).known
+    assert within(known.damping, 550.0, known.damping_std, 3.0)
+    assert within(known.stiffness, 17e3, max(known.stiffness_std, 0.003 * 17e3), 3.0)
+
+
 def relaxing(t: Array, d: Array) -> Array:
     """Return a spring of 8000 N/m beside one of 12000 N/m in series with a damper, of 1 s."""
     decay = np.exp(-0.008)
