@@ -63,12 +63,13 @@ LAWS = {
     'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO), 2.0, 0.06),
     # A wall that moved once and for all has changed; this one goes on moving.
     'moving_wall': Law(_LINEAR, 1.0, 1e-4),
+    'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""
 
 NAMES = tuple(LAWS)
-KELVIN_VOIGT, MASS, FRICTION, MOVING = (
-    NAMES.index(name) for name in ('kelvin_voigt', 'mass', 'friction', 'moving_wall'))
+KELVIN_VOIGT, MASS, FRICTION, MOVING, DRIFTING = (NAMES.index(name) for name in (
+    'kelvin_voigt', 'mass', 'friction', 'moving_wall', 'drifting_stiffness'))
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
