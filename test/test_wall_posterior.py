@@ -234,6 +234,10 @@ def hunt_crossley(exponent: float) -> Law:
     return law
 
 
+def growing(t: Array) -> Array:
+    return np.asarray(K * (1.0 + 0.05 * np.clip(t - 1.0, 0.0, 4.0)))
+
+
 def moved(t: Array) -> Array:
     return np.asarray(1e-3 * (ramp(1.2, 0.8, 1.0)(t) - ramp(2.2, 0.8, 1.0)(t)))
 
@@ -246,6 +250,7 @@ WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {
     'hunt_crossley_1.5': (hunt_crossley(1.5), None),
     'hunt_crossley_2': (hunt_crossley(2.0), None),
     'moving_wall': (spring_damper(K, B), moved),
+    'drifting_stiffness': (lambda d, v, a: growing(np.arange(len(d)) / FINE) * d + B * v, None),
 }
 
 
@@ -279,6 +284,28 @@ def held(law: Callable[[Array, Array], Array], depth: float, seed: int) -> Sampl
     force = np.where(d > 0.0, law(t, np.maximum(d, 0.0)), 0.0)
     return Samples(t, force + 0.05 * draw.standard_normal(len(t)),
                    0.1 + d + 5e-6 * draw.standard_normal(len(t)), d)
+
+
+def test_noise_of_the_position_does_not_hide_the_damping_of_a_slow_press() -> None:
+    samples = held(lambda t, d: 17e3 * d + 550.0 * np.gradient(d, t), 1.3e-3, 1)
+    draw = np.random.default_rng(2)
+    posterior = WallPosterior(0.1, 0.0, NO_LAG)
+    x = samples.x + 1e-5 * draw.standard_normal(len(samples.x))
+    known = fed(samples._replace(x=x), posterior).known
+    assert within(known.damping, 550.0, known.damping_std, 3.0)
+    assert within(known.stiffness, 17e3, max(known.stiffness_std, 0.003 * 17e3), 3.0)
+    assert posterior.wall.law == 'kelvin_voigt'
+
+
+@pytest.mark.parametrize('seed', [0, 1])
+def test_noise_of_the_force_in_a_hold_is_no_moving_wall(seed: int) -> None:
+    draw, t = np.random.default_rng(seed), np.arange(0.0, 6.0, 0.002)
+    d = np.minimum(2e-3 * (t - 1.0), 4e-4)
+    force = 26e3 * np.maximum(d, 0.0) + draw.standard_normal(len(t))
+    posterior, moving = WallPosterior(0.1, 2e-3, NO_LAG), LAWS.index('moving_wall')
+    for sample in zip(t, force, 0.1 + d + 4e-6 * draw.standard_normal(len(t))):
+        posterior.take(*sample)
+        assert posterior.known.laws[moving] < 0.1
 
 
 def relaxing(t: Array, d: Array) -> Array:

@@ -86,8 +86,10 @@ RUNS = 10
 FADE_S = 20.0
 """Memory of all else [s of contact]."""
 
-WALL_WALK = 1e-3
-"""Random walk of the surface of a moving wall [m per sqrt(s)]."""
+WALK = 0.02
+"""Random walk of the force of a wall whose surface moves or whose stiffness drifts, relative to it
+[1/sqrt(s)]: 2 % of the stiffness, or at a depth of 10 mm 0.2 mm of the surface, in a second."""
+
 
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4

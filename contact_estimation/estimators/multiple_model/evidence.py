@@ -10,7 +10,7 @@ import numpy as np
 from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
     Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
-    ONE, prior, scales, UNKNOWNS)
+    OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
@@ -85,7 +85,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 16, 16): one for each hypothesis
+    grams (N, 17, 17): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 
@@ -144,21 +144,33 @@ def _calibrated(grams: Array) -> tuple[Array, Array]:
     Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
     would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
     place of y (regression calibration: Carroll et al., Measurement Error in Nonlinear Models,
-    2006, ch. 4); a tool that rests tells nothing but its mean.
+    2006, ch. 4); a tool that rests tells nothing but its mean. The rate y' alike, whose noise
+    would bias the damping towards 0.
     """
     of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
     mean = grams[:, OF_DEPTH, ONE] / of_one[:, None]
     scatter = grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE]
     noise = grams[:, NOISE, NOISE]
     reliability = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
-    if reliability.min() > _CLEAN:
-        return grams, reliability
-    share, grams = reliability[:, None, None], grams.copy()
+    rate = grams[:, RATE, ONE] / of_one
+    scatter = grams[:, RATE, RATE] - rate * grams[:, RATE, ONE]
+    noise = grams[:, RATE_NOISE, RATE_NOISE]
+    of_rate = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
+    grams = _towards(grams, OF_RATE, of_rate, rate[:, None], TIMES_RATE)
+    return _towards(grams, OF_DEPTH, reliability, mean, [ONE]), reliability
+
+
+def _towards(
+    grams: Array, columns: list[int], share: Array, mean: Array, of_mean: list[int]
+) -> Array:
+    """Return Gram matrices whose columns have the noise taken out, towards those of a mean."""
+    if share.min() > _CLEAN:
+        return grams
+    grams, share = grams.copy(), share[:, None, None]
     mean = (1.0 - share) * mean[:, :, None]
-    grams[:, OF_DEPTH] = share * grams[:, OF_DEPTH] + mean * grams[:, None, ONE]
-    rows = grams.transpose(0, 2, 1)
-    rows[:, OF_DEPTH] = share * rows[:, OF_DEPTH] + mean * rows[:, None, ONE]
-    return grams, reliability
+    for rows in (grams, grams.transpose(0, 2, 1)):
+        rows[:, columns] = share * rows[:, columns] + mean * rows[:, of_mean]
+    return grams
 
 
 def _solved(equations: _Normal) -> Judged:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .blocks import Blocks
 from .constants import (
-    ANYWHERE_M, DAMPING_FLOOR, EXACT_SURFACE_M, LEAST_STIFFNESS, SHIFT, STIFFNESS_FLOOR)
+    ANYWHERE_M, COMMIT, DAMPING_FLOOR, EXACT_SURFACE_M, LEAST_STIFFNESS, SHIFT, STIFFNESS_FLOOR)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
@@ -235,13 +235,18 @@ class WallInference:
         scene, sums = self.scene, self._sums
         self.rhythm.judged()
         what = hypotheses(np.arange(_LAWS), sums.surfaces, sums.scale)
-        moves: NDArray[np.bool_] = what.law == MOVING
+        moves: NDArray[np.bool_] = what.law >= MOVING
         grams = np.repeat(sums.gram[None], len(moves), axis=0)
-        grams[moves] = sums.moving.gram
+        of_law = sums.odds[what.law]
+        for one in sums.walking:
+            own = what.law == one.law
+            grams[own] = one.gram
+            far = np.hypot(what.std[own], one.walked)
+            of_law[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
+            what.std[own] = far
         judged = yield from judge_in_parts(grams, scene, what)
         yield
         prior = sums.place_prior
-        of_law = np.where(moves, sums.moving.prior, sums.odds[what.law])
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
@@ -262,10 +267,13 @@ class WallInference:
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
-        gap, rest = float(odds[moves].max() - odds[~moves].max()), sums.odds[:MOVING].max()
-        sums.moving.restart_if_far(sums.gram, gap, float(rest))
+        rest, gaps = sums.odds[:MOVING].max(), []
+        for one in sums.walking:
+            gaps.append(float(odds[what.law == one.law].max() - odds[~moves].max()))
+            one.restart_if_far(sums.gram, gaps[-1], float(rest))
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
+        self.rhythm.walks = bool(weights[moves].sum() > 0.5)
         top = int(np.argmax(odds))
         self.residuals.best = what.law[top:top + 1], judged.theta[top], scene
         yield
@@ -275,10 +283,9 @@ class WallInference:
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
-        if change is not None and certain >= 0:
+        if change is not None and certain >= 0 and max(gaps) < -COMMIT:
             yield
-            self._note_change(sums.commit(
-                change, certain, self._of_laws, scene, min(gap, 0.0)))
+            self._note_change(sums.commit(change, certain, self._of_laws, scene))
             self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
@@ -308,7 +315,8 @@ class WallInference:
         found = walls(judged, what.law, scene, ANYWHERE_M)
         if change is not None:
             changed = np.append(change.odds, 0.0)
-            share = np.exp(changed - np.logaddexp.reduce(changed))[:-1] * (1.0 - of_law[MOVING])
+            share = np.exp(changed - np.logaddexp.reduce(changed))[:-1]
+            share *= 1.0 - of_law[MOVING:].sum()
             since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
             weights, found = joined(weights, found, share, since)
         if of_same is not None:

@@ -28,14 +28,18 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
- SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE) = range(16)
+ SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE) = range(17)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
-S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviation of S0 y, whose square
-says how much of the scatter of the depth is noise."""
+S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviations of S0 y and S1 y,
+whose squares say how much of the scatter of depth and rate is noise."""
 
-COLUMNS = 16
+COLUMNS = 17
 OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, SQUARE]
 """Columns that are functions of the depth."""
+
+OF_RATE = [RATE, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE]
+TIMES_RATE = [ONE, DEPTH, POWER_SLOPE, POWER, SQUARE]
+"""Columns of the rate, and what each of them is a steady rate times."""
 
 UNKNOWNS = 5
 
@@ -59,12 +63,13 @@ LAWS = {
     'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO), 2.0, 0.06),
     # A wall that moved once and for all has changed; this one goes on moving.
     'moving_wall': Law(_LINEAR, 1.0, 1e-4),
+    'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""
 
 NAMES = tuple(LAWS)
-KELVIN_VOIGT, MASS, FRICTION, MOVING = (
-    NAMES.index(name) for name in ('kelvin_voigt', 'mass', 'friction', 'moving_wall'))
+KELVIN_VOIGT, MASS, FRICTION, MOVING, DRIFTING = (NAMES.index(name) for name in (
+    'kelvin_voigt', 'mass', 'friction', 'moving_wall', 'drifting_stiffness'))
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
@@ -143,7 +148,7 @@ def shifted_table(delta: float) -> Array:
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, to first order for n = 1.5.
 
     delta: how far into the wall [m]
-    Returns matrix (16, 16): new columns from old ones
+    Returns matrix (17, 17): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

@@ -34,7 +34,7 @@ class Rhythm:
     """Short blocks and frequent judgements where the wall may be another, few where it is not."""
 
     def __init__(self, followed: bool) -> None:
-        self.followed = followed
+        self.followed, self.walks = followed, False
         self.blocks = self._of_contact = self._alert = self._unsteady = 0
         self._since_s = self._contact_s = self._unjudged_s = 0.0
 
@@ -58,7 +58,7 @@ class Rhythm:
         """Length of the next block: 0 for a short one, 1 and 2 for longer ones."""
         if self.early or self._alert:
             return 0
-        return 1 if self._unsteady or self.followed else 2
+        return 1 if self._unsteady or self.followed or self.walks else 2
 
     def touch(self) -> None:
         """Begin a contact."""
@@ -93,7 +93,7 @@ class Rhythm:
             return True
         if self.followed:
             return self.early or self._unjudged_s > 0.9 * _LEAST_DUE_S
-        due = _EARLY_DUE_S if self.blocks <= _EARLY else max(_LEAST_DUE_S, min(
+        due = _EARLY_DUE_S if self.walks or self.blocks <= _EARLY else max(_LEAST_DUE_S, min(
             _OF_ALL * min(self._since_s, FADE_S), _OF_CONTACT * self._contact_s))
         return self._unjudged_s > 0.9 * due
 
@@ -123,12 +123,12 @@ class Before(NamedTuple):
     """What was before each run."""
 
     used: Ints  # (N,) indices of the runs
-    since: Array  # (N, 16, 16) Gram matrices since then
+    since: Array  # (N, 17, 17) Gram matrices since then
     judged: Judged  # the wall before
     old: Ints  # which of them are old enough for another wall
     what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
-    gram: Array  # (16, 16) of all data
+    gram: Array  # (17, 17) of all data
 
 
 class Touch(NamedTuple):
@@ -214,7 +214,7 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        gram (16, 16): of all data
+        gram (17, 17): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
         least: blocks that another wall must have within a contact
@@ -299,7 +299,7 @@ def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
     """
     Return data in a part of which the force may have shifted, and what the evidence loses.
 
-    gram, part (16, 16), (N, 16, 16): of all data, and of the part
+    gram, part (17, 17), (N, 17, 17): of all data, and of the part
     variance (N,): of the shift [N^2]
     """
     column = part[:, ONE]
@@ -314,7 +314,7 @@ def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
 
     At rest either explains a step of the force, which has a variance [N^2].
 
-    gram, part (16, 16): of all data, and of the part
+    gram, part (17, 17): of all data, and of the part
     delta: surface less x0 [m]
     """
     to_depth = np.array([[1.0, -delta], [0.0, 1.0]])

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALL_WALK
-from .laws import Array, COLUMNS, LOG_PRIOR, MOVING, ONE
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
+from .laws import Array, COLUMNS, DEPTH, DRIFTING, LOG_PRIOR, MOVING, ONE
 
 
 SURE = 0.3
@@ -101,33 +101,35 @@ def lag_prior(tau: float, timing_std: float) -> tuple[float, float]:
     return (0.0, 0.1 * timing_std) if tau == tau else (1.2 * timing_std, timing_std)
 
 
-_FAR = 40.0
-"""Log odds against a moving wall, from which it starts anew from what is known."""
-
-
 class MovingWall:
     """
-    The Gram matrix of a wall with s(t) = -K delta(t), delta a random walk, and its odds.
+    The Gram matrix of a wall whose s(t) = -K delta(t), or K(t), is a random walk, and its odds.
 
     A step w of the surface with variance Q takes from the matrix what it tells of s before: the
     Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
-    log(1 + Q g_s) / 2.
+    log(1 + Q g_s) / 2. A step of K alike, g being the column of the depth.
 
-    gram (16, 16): of all blocks
+    law: MOVING or DRIFTING
+    gram (17, 17): of all blocks
+    walked: how far its surface may have come since it was at rest, by steps of one sign [m]
     """
 
-    def __init__(self) -> None:
-        self.gram = np.zeros((COLUMNS, COLUMNS))
-        self._norm = self._gap = 0.0
+    def __init__(self, law: int) -> None:
+        self.law, self.gram = law, np.zeros((COLUMNS, COLUMNS))
+        self._column = {MOVING: ONE, DRIFTING: DEPTH}[law]
+        self._norm = self.walked = 0.0
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
-        """Walk for a time [s], K being about the scale [N/m], and add a block."""
-        walk, known = (scale * WALL_WALK) ** 2 * seconds, self.gram * fade
-        column = known[ONE]
-        known -= np.outer(column, column) / (1.0 / walk + column[ONE])
-        self._norm = fade * self._norm - 0.5 * log(1.0 + walk * column[ONE])
-        self.gram = known + gram
-        self._gap *= fade
+        """Add a block and walk for its duration [s], K being about the scale [N/m]."""
+        known, step = self.gram * fade + gram, WALK * WALK * seconds
+        if self.law == MOVING:
+            step *= float(gram[DEPTH, DEPTH] / max(gram[ONE, ONE], 1e-30))
+            self.walked += sqrt(step)
+        walk = scale * scale * step
+        column = known[self._column]
+        told = 1.0 + walk * float(column[self._column])
+        self.gram = known - (walk / told) * np.outer(column, column)
+        self._norm = fade * self._norm - 0.5 * log(told)
 
     def move(self, table: Array) -> None:
         """Move the reference of all columns; see `shifted_table`."""
@@ -136,15 +138,13 @@ class MovingWall:
     @property
     def prior(self) -> float:
         """Log odds to be added to its evidence."""
-        return float(LOG_PRIOR[MOVING]) + self._norm + self._gap
+        return float(LOG_PRIOR[self.law]) + self._norm
 
-    def restart(self, gram: Array, gap: float) -> None:
-        """Go on from the wall at rest, at log odds against it that are kept."""
-        self.gram, self._norm = gram.copy(), 0.0
-        self._gap = max(gap, -_FAR)
+    def restart(self, gram: Array, rest: float) -> None:
+        """Let it begin now, from the wall at rest, whose law has some log odds."""
+        self.gram, self._norm, self.walked = gram.copy(), rest, 0.0
 
     def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
-        """Start anew from the wall at rest, whose log odds are given, if all speaks against it."""
-        if gap < -_FAR:
-            self.restart(gram, -_FAR)
-            self._gap += rest - float(LOG_PRIOR[MOVING])
+        """Let it begin now if it is less probable than that, by its log odds against rest."""
+        if gap < LOG_PRIOR[self.law]:
+            self.restart(gram, rest)

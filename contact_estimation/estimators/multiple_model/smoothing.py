@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .laws import (
-    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE, ONE, POWER,
-    POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, SIGN, SQUARE, SQUARE_RATE)
+    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE, OF_RATE, ONE,
+    POWER, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE, SIGN, SQUARE, SQUARE_RATE,
+    TIMES_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
 _HOP_S = 0.004  # between windows: the standard deviation of the kernel, so that little is lost
 _SHARP = 3.2e-4  # deviation of a normal distribution whose sign is like tanh(v / 0.4 mm/s)
-_MOVES = 4.0  # times its noise, from which a mean square rate is motion
-_MOTION = (RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE)
+_MOVES = 4.0  # times its noise, from which a mean square rate, or a mean, is motion
 
 
 class Smoothing:
@@ -79,7 +79,7 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (16, N): the columns of `laws`, a row for each window
+        Returns phi (17, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
@@ -103,24 +103,36 @@ class Smoothing:
         phi[CUBE_RATE] = smooth[5, 1]
         phi[FORCE:FORCE_RATE + 1] = smooth[6, :2]
         phi[NOISE] = sqrt(noise[0] * self.noise)
-        phi[NOISE, ::2] *= -1.0  # of either sign, so that no other column contains it
         if any(column.any() for column in bent):
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean
+        rate_noise = noise[0] * self.rate_noise
         if not touching and np.isfinite(v).all():
-            phi[RATE] = self._fused(phi[RATE], v @ mean, noise)
+            phi[RATE], rate_noise = self._fused(phi[RATE], v @ mean, noise)
         rate = np.empty_like(x)
         rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
         rate[0], rate[-1] = rate[1], rate[-2]
         blur = sqrt(0.5 * noise[0]) / self.period_s
         width = sqrt(0.5 * pi * (blur * blur + _SHARP * _SHARP))  # the slope of the error function
         phi[SIGN] = (np.tanh(rate / width) * (inside > 0.0)) @ mean
-        if phi[RATE] @ phi[RATE] / windows < _MOVES * noise[0] * self.rate_noise:
-            phi[list(_MOTION)] = 0.0  # the noise of a rate would bias what it multiplies
+        if phi[RATE] @ phi[RATE] / windows < _MOVES * rate_noise:
+            # The noise of a rate would bias what it multiplies; all windows together have less.
+            middle = float(phi[RATE].mean())
+            both = table[:, windows:2 * windows].mean(axis=1)
+            rate_noise *= float(both @ both) / self.rate_noise
+            if middle * middle < _MOVES * rate_noise:
+                middle = rate_noise = 0.0
+            phi[ACCELERATION] = 0.0
+            phi[SIGN] = np.sign(middle) * phi[ONE]
+            phi[OF_RATE] = middle * phi[TIMES_RATE]
+        phi[RATE_NOISE] = sqrt(rate_noise)
+        phi[[NOISE, RATE_NOISE], ::2] *= -1.0  # of either sign, so that no other column has them
         return phi
 
-    def _fused(self, rate: Array, measured: Array, noise: tuple[float, float]) -> Array:
-        """Weigh the rate of the positions and the measured one by what each is off."""
+    def _fused(
+        self, rate: Array, measured: Array, noise: tuple[float, float]
+    ) -> tuple[Array, float]:
+        """Weigh the rate of the positions and the measured one by the variance of each."""
         own = noise[0] * self.rate_noise
         other = max(float(np.mean(np.square(measured - rate))) - own, noise[1] * self.noise, 1e-20)
-        return (other * rate + own * measured) / (other + own)
+        return (other * rate + own * measured) / (other + own), other * own / (other + own)

@@ -13,7 +13,7 @@ from .constants import (
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
 from .laws import (
-    Array, COLUMNS, DEPTH, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
+    Array, COLUMNS, DEPTH, DRIFTING, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import MovingWall, OUTSIDE
 
@@ -42,7 +42,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (16, 16): Gram matrix of all data before it
+    before (17, 17): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -65,7 +65,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (16, 16): of the data since the change
+        since (17, 17): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -76,7 +76,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (16, 16) of what seemed another wall."""
+        """Note another step, after data (17, 17) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -96,8 +96,8 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (16, 16): sum of the Gram matrices of all blocks, the older, the less
-    moving, runs: the same of a wall that moves, and since every time of a possible change
+    gram (17, 17): sum of the Gram matrices of all blocks, the older, the less
+    walking, runs: the same of walls that move or drift, and since every time of a possible change
     odds: log odds of each law
     surfaces: where the surface may be: place, its standard deviation [m], probability
     x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
@@ -107,7 +107,8 @@ class WallStatistics:
 
     def __init__(self, location: float, std: float) -> None:
         self._told = location
-        self.gram, self.moving, self.runs = np.zeros((COLUMNS, COLUMNS)), MovingWall(), Runs()
+        self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
+        self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
                          (location, ANYWHERE_M, ELSEWHERE)]
@@ -139,7 +140,8 @@ class WallStatistics:
         if self.same is not None:
             self.same.fade(fade)
         self.runs.add(gram, fade, seconds)
-        self.moving.add(gram, fade, seconds, self.scale)
+        for one in self.walking:
+            one.add(gram, fade, seconds, self.scale)
         self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
 
     def move_to(self, surface: float) -> float:
@@ -147,7 +149,8 @@ class WallStatistics:
         delta = surface - self.x0
         table = shifted_table(delta)
         self.gram = table @ self.gram @ table.T
-        self.moving.move(table)
+        for one in self.walking:
+            one.move(table)
         self.runs.move(table)
         if self.same is not None:
             self.same.move(table)
@@ -190,13 +193,12 @@ class WallStatistics:
     # -- changes ----------------------------------------------------------------------------
 
     def commit(
-        self, change: Change, best: int, of_laws: Array, scene: Scene, gap: float
+        self, change: Change, best: int, of_laws: Array, scene: Scene
     ) -> Replaced:
         """
         Drop the wall before a change and return it; its laws and motion stay a prior.
 
         of_laws: log odds of each law before it
-        gap: log odds of a moving wall, at most 0
         """
         centre, std = float(change.centre[best]), float(change.std[best])
         other = not change.shift[best]
@@ -216,22 +218,21 @@ class WallStatistics:
             if change.as_before[best]:
                 weights = np.exp(odds - odds.max())
                 kept = np.stack([*places(judged, scene), weights / weights.sum()], axis=1)
-                self._go_on(gram, kept[order[:_KEPT]].tolist(), gap)
+                self._go_on(gram, kept[order[:_KEPT]].tolist())
             else:
-                self._go_on(gram, [(centre, std, 1.0)], gap)
+                self._go_on(gram, [(centre, std, 1.0)])
         else:
             self.same = None
             shift = float(change.shift[best])
             self._go_on(in_doubt(gram + before, before, centre - self.x0, shift),
-                        [(centre, hypot(std, sqrt(shift) / self.scale), 1.0)], gap)
+                        [(centre, hypot(std, sqrt(shift) / self.scale), 1.0)])
         return replaced
 
-    def _go_on(
-        self, gram: Array, kept: Sequence[tuple[float, float, float]], gap: float
-    ) -> None:
+    def _go_on(self, gram: Array, kept: Sequence[tuple[float, float, float]]) -> None:
         """Use other data, and a surface that is at one of some places or elsewhere."""
         self.gram = gram
-        self.moving.restart(gram, gap + float(self.odds[:MOVING].max() - LOG_PRIOR[MOVING]))
+        for one in self.walking:
+            one.restart(gram, float(self.odds[:MOVING].max()))
         centre, std, _ = kept[0]
         self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in kept
                            if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
@@ -260,7 +261,7 @@ class WallStatistics:
         judged = same.judge(self.gram, scene, evidence)
         if same.odds > COMMIT:
             self._go_on(same.data_of_now(self.gram, self.x0), [(
-                float(same.what.centre[0]), max(self.depth, float(same.what.std[0])), 1.0)], 0.0)
+                float(same.what.centre[0]), max(self.depth, float(same.what.std[0])), 1.0)])
         if not log(UNLIKELY) < same.odds < COMMIT:
             self.same = None
         return 1.0 / (1.0 + exp(-max(same.odds, -50.0))), judged, int(same.what.law[0])
@@ -271,4 +272,5 @@ class WallStatistics:
          _) = before
         self.same = None
         self.runs.clear()
-        self.moving.restart(self.gram, float(self.odds[:MOVING].max()))
+        for one in self.walking:
+            one.restart(self.gram, float(self.odds[:MOVING].max()))
