@@ -36,7 +36,9 @@ UNCERTAINTIES = (
 """Effects at one standard deviation, and whether that is a time, which the pace multiplies: M_t is
 known to 0.2 %, stamps to 0.03 ms."""
 
-_CABLE = 0.05  # of the range of the force, over the stroke: most that a cable or a hose pulls
+# Of the range of the force: most that a cable or a hose pulls, over the stroke, and dry friction
+# that every robot has.
+_CABLE, _FRICTION = 0.05, 0.003
 
 _MOST_STEPS = 200
 _STANDS_OUT = 10.0  # times the median: else it is not a step
@@ -76,7 +78,7 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         pull = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
         nuisances.append((pull, -1.0))
         if 'robot_friction' not in model.effects:
-            rubs = model.with_effect('robot_friction', (least_material(recording),))
+            rubs = model.with_effect('robot_friction', (_FRICTION * o.force_range,))
             nuisances.append((here - residuals(recording, rubs, robust=False), 0.0))
     return replace(recording, discount=Discount.of(np.array(columns).T, nuisances))
 
