@@ -134,7 +134,7 @@ def test_stiffness_behind_a_known_joint_is_that_of_the_wall() -> None:
     compliance = physics_of(JOINTED)['physics.joint_flexibility.compliance']
     both = 1.0 / (1.0 / K_e + compliance)
     for known, expected in ((JOINTED, K_e), ('', both)):
-        pipeline = EstimationPipeline(parameters_of(known, estimator='rls'))
+        pipeline = EstimationPipeline(parameters_of(known, estimator='multiple_model'))
         estimate = pipeline.process(list(samples))[-1]
         assert estimate.stiffness == pytest.approx(expected, rel=0.02)
     assert both < 0.85 * K_e
