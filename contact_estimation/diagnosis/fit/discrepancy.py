@@ -51,9 +51,9 @@ _WHITE = 0.3  # power of such a mean, in that of residuals that are all of one s
 
 def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """Return a recording whose residuals discount the model uncertainty."""
-    # Beside `UNCERTAINTIES` these are a cable that pulls at the tool, the instant, within a
-    # sample, at which the reference steps, and whether the robot holds the desired acceleration
-    # between samples or interpolates it.
+    # Beside `UNCERTAINTIES` these are a cable that pulls at the tool, dry friction of the robot,
+    # the instant, within a sample, at which the reference steps, and whether the robot holds the
+    # desired acceleration between samples or interpolates it.
     recording = replace(recording, discount=None)
     if recording.driven_by_force(model):
         return recording

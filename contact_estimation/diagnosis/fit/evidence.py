@@ -140,11 +140,16 @@ class Scored:
         """Return the families of its names."""
         return frozenset(self.families) - {''}
 
+    def errors(self, exact: bool) -> tuple[Array, Array]:
+        """Return left_out and fitted of an inexact law, or of an exact one."""
+        if exact and self.as_exact is not None:
+            return self.as_exact[0], self.as_exact[1]
+        return self.left_out, self.fitted
+
     def expected(self, constants: Constants = CONSTANTS, exact: bool = False) -> Array:
         """Return the mean squares to expect on further data, shape (P, C)."""
-        share, both = constants.left_out, (self.left_out, self.fitted)
-        left_out, fitted = self.as_exact if exact and self.as_exact is not None else both
-        return np.asarray(share * left_out + (1.0 - share) * fitted)
+        share, (left_out, fitted) = constants.left_out, self.errors(exact)
+        return share * left_out + (1.0 - share) * fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +170,7 @@ class Evidence:
     def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
         """Return the evidence with what further models tell of noise and zeros."""
         every = list(models)
-        least = np.min([one.fitted if one.as_exact is None else one.as_exact[1]
-                        for one in every], axis=0)
+        least = np.min([one.errors(exact=True)[1] for one in every], axis=0)
         level = self.ranked([one for one in every if not one.laws])[0]
         return replace(self, noise=np.clip(least, 1.0, NOISE_IS_KNOWN**2), level=level)
 

@@ -90,7 +90,6 @@ WALK = 0.02
 """Random walk of the force of a wall whose surface moves or whose stiffness drifts, relative to it
 [1/sqrt(s)]: 2 % of the stiffness, or at a depth of 10 mm 0.2 mm of the surface, in a second."""
 
-
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4
 """Error of a stamp [s]: the resolution of drivers that stamp on arrival."""
