@@ -40,7 +40,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'backlash': (0.001,),
     'bilinear_stiffness': (3000.0, 0.005),
     'stiffness_drift': (0.2,),
-    'plastic_set': (0.3,),
+    'plastic_set': (0.3, 0.001),
     'tool_weight': (-3.0,),
     'viscous_flow': (0.2,),
     'unloading_hysteresis': (0.4,),

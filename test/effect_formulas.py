@@ -39,13 +39,11 @@ def followed(step: Callable[[float, int], float], count: int) -> Array:
 
 
 def relaxation(t: Array, x: Array, v: Array, a: Array, K_1: float, tau: float) -> Array:
-    """Integrate s' = K_1 v - s / tau in contact, s' = -s / tau and s >= 0 outside."""
+    """Integrate s' = K_1 v - s / tau in contact, s' = -s / tau outside."""
     h = t[1] - t[0]
 
     def step(s: float, k: int) -> float:
-        inside = x[k] > 0.0
-        s += h * ((K_1 * v[k] if inside else 0.0) - s / tau)
-        return float(s if inside else max(s, 0.0))
+        return float(s + h * ((K_1 * v[k] if x[k] > 0.0 else 0.0) - s / tau))
 
     return cut(x, K_e * x + B_e * v + followed(step, len(t)))
 
@@ -121,9 +119,9 @@ def play(t: Array, x: Array, v: Array, a: Array, gap: float) -> Array:
     return np.where(touches, cut(y, K_e * y + B_e * v), 0.0)
 
 
-def dent(t: Array, x: Array, v: Array, a: Array, residual: float) -> Array:
-    """Move the surface by the residual share of the greatest depth so far."""
-    d = x - residual * np.maximum.accumulate(np.maximum(x, 0.0))
+def dent(t: Array, x: Array, v: Array, a: Array, residual: float, yield_depth: float) -> Array:
+    """Move the surface by the residual share of the greatest depth so far, beyond yield."""
+    d = x - residual * np.maximum(np.maximum.accumulate(x) - yield_depth, 0.0)
     return cut(d, K_e * d + B_e * v)
 
 

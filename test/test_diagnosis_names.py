@@ -47,7 +47,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'backlash': (0.0006,),
     'bilinear_stiffness': (1500.0, 0.006),
     'stiffness_drift': (0.02,),
-    'plastic_set': (0.06,),
+    'plastic_set': (0.2, 0.004),
     'tool_weight': (-3.0,),
     'viscous_flow': (0.02,),
     'unloading_hysteresis': (0.15,),

@@ -1,6 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
+from math import isnan
+
 import numpy as np
 
 from .law import (
@@ -10,20 +12,33 @@ from .law import (
 
 @dataclass(frozen=True)
 class PlasticSet(ContactEffect):
-    """The wall deforms plastically: part of the deepest indentation remains."""
+    """
+    The wall yields: beyond a depth, part of the deepest indentation remains.
+
+    Linear hardening: deeper than `yield_depth` the force grows with (1 - residual) K_e, and unloads
+    with K_e. K. L. Johnson, Contact Mechanics (1985), section 6.
+    """
 
     residual: float = optional_parameter(
-        'Fraction of the deepest indentation that remains', '1', minimum=0.0, maximum=0.999)
+        'Fraction of the deepest indentation beyond `yield_depth` that remains', '1', minimum=0.0,
+        maximum=0.999)
+    yield_depth: float = optional_parameter(
+        'Depth up to which the wall is elastic (0 if not given)', 'm', minimum=0.0)
 
-    equation = 'x_e = nominal + residual (greatest d so far)'
+    equation = 'x_e = nominal + residual max(greatest d so far - yield_depth, 0)'
     family = 'hysteresis'
     needs = frozenset({Need.RETURN, Need.PRESSING})
     states = 1  # greatest d so far, from the untouched surface
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isnan(self.yield_depth) and not isnan(self.residual):
+            object.__setattr__(self, 'yield_depth', 0.0)
+
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
         # The dent deepens with the tool, also within a step of integration.
         deepest = state[0] + positive(d - state[0], m)
-        return d - self.residual * deepest, v, True
+        return d - self.residual * positive(deepest - self.yield_depth, m), v, True
 
     def settle(self, d: float, v: float, contact: bool, state: State) -> State:
         return (max(state[0], d),)
@@ -33,4 +48,6 @@ class PlasticSet(ContactEffect):
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:
-        return Prior([(0.002,), (0.03,), (0.3,)], largest=0.9)
+        shares = (0.0, 0.2, 0.4, 0.6, 0.8)
+        return Prior([(0.002, 0.0), (0.03, 0.0), *((0.3, share * scales.depth) for share in shares)],
+                     largest=0.9)

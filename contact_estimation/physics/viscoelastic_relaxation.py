@@ -18,7 +18,8 @@ class ViscoelasticRelaxation(ContactEffect):
     """
     The force relaxes while the depth is held (Maxwell branch).
 
-    Out of contact s' = -s / tau and s >= 0.
+    Out of contact s' = -s / tau: after a release the surface, at d = -s / K_e, comes back slowly,
+    as each branch of `fractional_relaxation` does.
     """
 
     K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
@@ -36,9 +37,6 @@ class ViscoelasticRelaxation(ContactEffect):
         driven = self.K_1 * v if contact else 0.0
         return (driven - state[0] / self.tau,)
 
-    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
-        return state if contact else (max(state[0], 0.0),)  # it cannot pull the surface
-
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation stretch by stretch, v straight between samples."""
         from scipy.signal import lfilter  # slow to import, and no node needs it
@@ -50,14 +48,15 @@ class ViscoelasticRelaxation(ContactEffect):
         push = K_1 * tau * end * v
         push[1:] += K_1 * tau * begin * v[:-1]
         s, last = np.empty(len(t)), 0.0
+        # Touch-down and release lie between two samples: the tool moves by d since, or until then.
+        across = K_1 * np.minimum(np.abs(d), h * np.abs(v))
         for first, stop in stretches(contact):
             if contact[first]:
-                # Touch-down lies between two samples: since then the tool has moved by d.
-                entry = K_1 * min(float(d[first]), h * abs(float(v[first]))) if first else 0.0
-                steps = np.concatenate(([entry], push[first + 1:stop]))
+                steps = np.concatenate(([across[first] if first else 0.0], push[first + 1:stop]))
                 s[first:stop] = lfilter([1.0], [1.0, -decay], steps, zi=[decay * last])[0]
             else:
-                s[first:stop] = max(last, 0.0) * decay ** np.arange(1, stop - first + 1)
+                last -= across[first - 1] if first else 0.0
+                s[first:stop] = last * decay ** np.arange(1, stop - first + 1)
             last = float(s[stop - 1])
         return s[None, :]
 

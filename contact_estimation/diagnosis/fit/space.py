@@ -265,10 +265,9 @@ class ContactModels:
     def _from_afar(self, recordings: Recordings, near: Sequence[Fit], branches: int) -> Fit:
         """Fit an effect of which one step tells little; a driven wall with a short memory."""
         if not self._driven:  # successive halving: K. Jamieson and A. Talwalkar 2016
-            begun = sorted((fit(recordings, one.model, _BEGUN) for one in near[:branches]),
-                           key=lambda found: found.cost)
-            return min((fit(recordings, one.model, _LONGER, known=one.residuals)
-                        for one in begun[:_BRANCHES]), key=lambda found: found.cost)
+            begun = min((fit(recordings, one.model, _BEGUN) for one in near[:branches]),
+                        key=lambda found: found.cost)
+            return fit(recordings, begun.model, _LONGER, known=begun.residuals)
         near = sorted((fit_at(recordings, one.model, briefly=True) for one in near),
                       key=lambda found: found.cost)
         longer = [fit(recordings, one.model, _LONGER, briefly=True) for one in near[:branches]]
