@@ -15,8 +15,8 @@ class PlasticSet(ContactEffect):
     """
     The wall yields: beyond a depth, part of the deepest indentation remains.
 
-    Linear hardening: deeper than `yield_depth` the force grows with (1 - residual) K_e, and unloads
-    with K_e. K. L. Johnson, Contact Mechanics (1985), section 6.
+    Linear hardening: beyond `yield_depth` the force grows with (1 - residual) K_e, and unloads with
+    K_e. K. L. Johnson, Contact Mechanics (1985), section 6.
     """
 
     residual: float = optional_parameter(
@@ -49,5 +49,5 @@ class PlasticSet(ContactEffect):
     @classmethod
     def prior(cls, scales: Scales) -> Prior:
         shares = (0.0, 0.2, 0.4, 0.6, 0.8)
-        return Prior([(0.002, 0.0), (0.03, 0.0), *((0.3, share * scales.depth) for share in shares)],
-                     largest=0.9)
+        yields = [(0.3, share * scales.depth) for share in shares]
+        return Prior([(0.002, 0.0), (0.03, 0.0), *yields], largest=0.9)
