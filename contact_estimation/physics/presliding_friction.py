@@ -8,7 +8,7 @@ import numpy as np
 
 from .law import (
     Any, Array, ContactEffect, dataclass, Flags, Generator, log_uniform, Motion, motion_of, Need,
-    Number, optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
+    Number, optional_parameter, path_of, Prior, Scales, Seen, State, Strength, stretches)
 
 
 @lru_cache(maxsize=8)
@@ -75,6 +75,10 @@ class PreslidingFriction(ContactEffect):
 
     def is_possible(self, stiffness: float, damping: float) -> bool:
         return self.F_c > 0.0 and self.sigma > 0.0
+
+    def may_show(self, seen: Seen) -> bool:
+        """Need to slide: what never does is a spring."""
+        return self.F_c <= seen.force
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:
