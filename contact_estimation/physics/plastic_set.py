@@ -15,8 +15,8 @@ class PlasticSet(ContactEffect):
     """
     The wall yields: beyond a depth, part of the deepest indentation remains.
 
-    Linear hardening: beyond `yield_depth` the force grows with (1 - residual) K_e, and unloads with
-    K_e. K. L. Johnson, Contact Mechanics (1985), section 6.
+    Linear hardening: beyond `yield_depth` the force grows with (1 - residual) K_e, and it unloads
+    with K_e. K. L. Johnson, Contact Mechanics (1985), section 6.
     """
 
     residual: float = optional_parameter(
