@@ -6,8 +6,9 @@
 from math import isfinite, sqrt
 from typing import Sequence
 
-from ..checks.check import LISTED, WORTH_A_NAME
+from ..checks.check import LISTED
 from ..dependence import Dependence
+from ..fit.constants import CONSTANTS
 from ..location import Location
 from ..result import Diagnosis, NamedEffect
 from ...physics import EFFECTS
@@ -98,7 +99,7 @@ def trifle(diagnosis: Diagnosis) -> str:
         return ''
     left = sqrt(error**2 - d.noise_floor**2)
     share = left / max(one.observed.force_range for one in d.recordings)
-    reason = ('below the reporting threshold' if share < WORTH_A_NAME
+    reason = ('below the reporting threshold' if share < CONSTANTS.instrument
               else 'this recording does not tell which law it obeys')
     return (f'Held-out residual {left:.2g} N rms beyond the noise, {100.0 * share:.2g} % of the '
             f'range of the force: {reason}')
