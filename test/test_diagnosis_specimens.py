@@ -64,6 +64,18 @@ def test_a_loss_is_named_beside_the_law_if_both_ways_are_as_fast() -> None:
     assert loss.name in {'presliding_friction', 'viscoelastic_relaxation'}
 
 
+@pytest.mark.slow
+def test_a_short_way_back_on_which_the_force_is_lost_tells_that_it_yields() -> None:
+    t = np.arange(1200) / RATE_HZ
+    x = DEPTH * np.interp(t, (0.0, 45.0, 55.0), (0.0, 1.0, 0.84))
+    force = 15.0 * x - 75.0 * (np.maximum.accumulate(x) - x)
+    force += np.random.default_rng(3).normal(0.0, 1e-3, len(t))
+    found = diagnosed(Signals(t, -force, t, x, np.empty(0), np.empty((4, 0))), MODEL)
+    assert families(found) == {'hysteresis'}
+    backwards = Signals(t, force, t, x, np.empty(0), np.empty((4, 0)))
+    assert 'it would be an engine' in str(diagnosed(backwards, MODEL).checks)
+
+
 ZERO, F_C, B_E, PERIOD = 250.0, 6.0, 600.0, 5.0
 LAW = 'coulomb_friction'
 

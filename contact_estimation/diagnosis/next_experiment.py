@@ -18,7 +18,7 @@ import numpy as np
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .checks.check import LISTED
 from .fit.discrepancy import discounted
-from .fit.evidence import Evidence, explained, ranked_by, Scored
+from .fit.evidence import Evidence, explained, ranked_by, Scored, ZEROS
 from .fit.fitting import differentiate_by, residual_function
 from .fit.free_run import plant_of, steps_a_sample
 from .observe.model import Model
@@ -26,7 +26,7 @@ from .observe.observed import Observed
 from .observe.parts import episodes
 from .observe.prepared_recording import PreparedRecording, Recordings
 from .observe.residuals import residuals
-from .observe.shares import LITTLE, MUCH
+from .observe.shares import LITTLE, MOST, MUCH
 from .observe.usable_samples import default_block, usable
 from .result import Diagnosis, NamedEffect
 from ..physics.numeric import Array
@@ -186,14 +186,17 @@ def _sensitivities(recordings: Recordings, model: Model) -> Array:
 
 def nearly(evidence: Evidence, models: Sequence[Scored]) -> str:
     """Say which law nearly explains what no name explains."""
-    alone = [(explained(evidence, one), one.effects[-1]) for one in models if one.laws == 1]
-    share, effect = max(alone, key=lambda pair: pair[0].share, default=(None, ''))
+    alone = [(explained(evidence, one), one) for one in models if one.laws == 1]
+    share, model = max(alone, key=lambda pair: pair[0].share, default=(None, evidence.base))
     if share is None or share.share < MUCH:
         return ''
-    parts = len(share.parts)
-    return (f'{effect} would explain {100.0 * share.share:.0f} %, but {parts} parts cannot prove '
-            f'it (95 %: {100.0 * share.interval[0]:.0f} to {100.0 * share.interval[1]:.0f} %): '
-            'record further contacts at other depths and speeds')
+    effect = next(name for name, family in zip(model.effects, model.families)
+                  if family and name not in ZEROS)
+    low, high = share.interval
+    why = (f'{len(share.parts)} parts cannot prove it (95 %: {100.0 * low:.0f} to '
+           f'{100.0 * high:.0f} %)' if low < MOST else 'it does not explain the held-out part')
+    return (f'{effect} would explain {100.0 * share.share:.0f} %, but {why}: record further '
+            'contacts at other depths and speeds')
 
 
 def advice(

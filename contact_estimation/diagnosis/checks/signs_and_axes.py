@@ -39,11 +39,10 @@ def _is_at_one_end(far: float, near: float) -> bool:
 
 def _of_specimen(evidence: Evidence) -> Finding:
     s, against = evidence.smooth, evidence.of_wall.correlation
-    force = s.force - np.mean(s.force)
-    works = [-float(np.sum(part * s.v)) / max(float(np.sum(np.abs(part * s.v))), 1e-300)
-             for part in (s.force, force)]
-    text = f'the specimen takes up {100.0 * works[1]:.0f} % of the work exchanged'
-    if max(works) > -WORTH_A_NAME or against > -UNRELATED:
+    power = -s.force * s.v
+    work = float(np.sum(power)) / max(float(np.sum(np.abs(power))), 1e-300)
+    text = f'the specimen takes up {100.0 * work:.0f} % of the work exchanged'
+    if work > -WORTH_A_NAME or against > -UNRELATED:
         return Finding(True, text)
     return Finding(False, f'{text}, expected > 0: it would be an engine; -F_e was diagnosed. '
                           'Change the sign of the recorded force or of the position', fatal=False)

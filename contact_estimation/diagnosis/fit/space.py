@@ -29,8 +29,6 @@ from ...physics import EFFECTS
 from ...physics.effect import Effect, Need
 from ...physics.numeric import Array
 
-_STROKES = 1.5  # ranges of the motion: its path, if it returns
-
 
 def candidates_in(recordings: Recordings, model: Model) -> list[str]:
     """List the effects that may be added to a model."""
@@ -76,9 +74,11 @@ def _is_pressed(recordings: Recordings, model: Model) -> bool:
 
 
 def _returns(recording: PreparedRecording) -> bool:
-    """Return whether the motion is more than one stroke and a hold."""
-    x = recording.observed.x
-    return float(np.sum(np.abs(np.diff(x)))) > _STROKES * float(np.ptp(x))
+    """Return whether much of the force changes on a way back: a part of the stroke may be all."""
+    o = recording.observed
+    gone = np.abs(o.x - o.x[0])
+    back = np.maximum.accumulate(gone) - gone > SLIGHT * float(np.ptp(o.x))
+    return bool(back.any()) and float(np.ptp(o.force[back])) > MOST * o.force_range
 
 
 # Of a clipped force, in standard deviations of its noise and as a share of the limit.
