@@ -170,6 +170,9 @@ class Evidence:
     # turn [rad]
     joints: Sequence[float] = ()
     limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
+    # means of the force [N] in axes of the sensor, were the wrench in the configured axes and in
+    # the other ones, and of the weight per mass there [m/s^2], (3, 3), as an arm has turned
+    loads: Sequence[Array] = ()
     # what a check has found, until the checks are reset
     memory: dict[str, Any] = field(default_factory=dict)
 
@@ -325,6 +328,8 @@ class Check(ABC):
     invalidates: ClassVar[bool] = False
     # whether the state of the pipeline alone decides, at any time
     of_state: ClassVar[bool] = False
+    # whether it judges the force along the normal, which has no meaning in foreign axes
+    needs_axes: ClassVar[bool] = False
     confirmations: ClassVar[int] = 1  # judgements in a row that find it before it is reported
     # what takes long of a judgement, each done after a sample of its own, before `judge`; they
     # keep what they find in the evidence

@@ -6,12 +6,13 @@
 from array import array
 from collections import deque
 from functools import partial
-from math import inf, nan
+from math import cos, inf, nan, radians
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .axes_checks import WrenchAxes
 from .check import Array, AxisState, bias_of, BLOCKS, Check, Evidence, Forces, Warned
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
@@ -27,6 +28,8 @@ from ...signals.contact_sample import AxesSample
 
 _BLOCK_S = 0.5
 _LEAST_BLOCK = 25  # samples
+_ORIENTATIONS = 60  # of the sensor of an arm, kept as evidence
+_TURNED = cos(radians(5.0))  # from one to the next
 _KEPT = 50_000  # wrenches and joint stamps while no sample comes
 FREE = EstimateStatus.FREE
 """An enumeration takes long to look up."""
@@ -83,7 +86,7 @@ class EvidenceWindow:
 
     def __init__(self, pipelines: Mapping[str, Any]) -> None:
         self._axes = tuple(pipelines)
-        self.joint_stamps, self.wrenches = Pending(1), Pending(4)
+        self.joint_stamps, self.wrenches, self.loads = Pending(1), Pending(4), Pending(10)
         self.samples = [Pending(5) for _ in self._axes]
         self.reset()
         self.restart(0.0)
@@ -100,12 +103,14 @@ class EvidenceWindow:
         """Forget how far the axes have moved and what they have pressed with."""
         self._travel = {axis: (inf, -inf) for axis in self._axes}
         self._pressing = {axis: -inf for axis in self._axes}
+        self._loads: deque[Array] = deque(maxlen=_ORIENTATIONS)
 
     def restart(self, sample_rate: float) -> None:
         """Start a new window, as after a clock jump: stamps to come are from before it."""
         self.block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
         self.joint_stamps.clear()
         self.wrenches.clear()
+        self.loads.clear()
         self._windows: dict[str, deque[Array]] = {
             axis: deque(maxlen=BLOCKS) for axis in self._axes}
         self._others: deque[Array] = deque(maxlen=BLOCKS)
@@ -133,10 +138,20 @@ class EvidenceWindow:
             touched |= bool(table[4].any() and not before)
             self._windows[axis].append(table)
         self._others.append(self.wrenches.until(end_ns))
+        self._keep_load(self.loads.until(end_ns)[:, 1:])
         joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
         return touched
+
+    def _keep_load(self, table: Array) -> None:
+        """Keep the mean force of an arm whose sensor has turned against gravity."""
+        if not len(table):
+            return
+        load = table.mean(axis=0).reshape(3, 3)
+        down, last = load[2], self._loads[-1][2] if self._loads else -load[2]
+        if down @ last < _TURNED * np.linalg.norm(down) * np.linalg.norm(last):
+            self._loads.append(load)
 
     def evidence(
         self, axis: str, parameters: EstimationParameters, state: AxisState,
@@ -151,7 +166,8 @@ class EvidenceWindow:
             axis, parameters, state, (stamps - begin) * 1e-9, x, v,
             force - bias_of(axis, parameters, state),
             touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
-            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, tuple(self._loads),
+            self._memory[axis])
 
     def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
         """Return the components of the wrench that no axis estimates."""
@@ -164,7 +180,7 @@ class EvidenceWindow:
 
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
-    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), ForceDirection(),
+    PositionUnit(), JointVelocity(), WrenchAxes(), ForceSign(), OtherAxis(), ForceDirection(),
     StampSkew(), Surface(), StampSkewOrMass(), JointRate(), ZeroSteps(),
     ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
     SurfaceUnchecked(),
@@ -193,6 +209,7 @@ class InputChecks:
     joint_stamps: stamps of joint states to come [ns]; the session appends to it
     wrenches: stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to
     it
+    loads: stamp [ns] and what `Evidence.loads` are the means of, of an arm
     due: number of samples of a block after which there is something to judge
     joints, limits: of an arm, the last positions of its joints and, by place, names and limits of
     those that turn [rad]; the inputs set both
@@ -205,6 +222,7 @@ class InputChecks:
         self._p, self._pipelines = parameters, pipelines
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
+        self.loads = self._window.loads
         self.joints: Sequence[float] = ()
         self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
@@ -330,7 +348,9 @@ class InputChecks:
         return text if count >= check.confirmations else ''
 
     def _judge(self, seen: Evidence, check: Check) -> None:
-        text, key = check.judge(seen), (check.name, seen.axis)
+        key = check.name, seen.axis
+        in_foreign_axes = check.needs_axes and (WrenchAxes.name, seen.axis) in self._active
+        text = '' if in_foreign_axes else check.judge(seen)
         if text is None:
             return
         if not text:
