@@ -124,6 +124,16 @@ def test_wrong_force_sign_of_the_parameter_file_is_named(
     assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 
 
+def test_a_frame_of_a_driver_is_explained(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / 'run.mcap', POSES[:1])
+    (tmp_path / 'params.yaml').write_text(
+        '/**: {ros__parameters: {force_sensor: {frame: tool0_controller}}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
+    assert 'set force_sensor.frame to tool0' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize('recorded, given', [('base', 'sensor'), ('sensor', 'base')])
 def test_axes_of_the_wrench_are_recognised_and_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], recorded: str, given: str
