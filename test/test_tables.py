@@ -340,7 +340,7 @@ def test_a_sign_of_a_table_is_changed_by_its_column(
     rows = np.column_stack([signals['t'], -signals['wrench.force.x'], signals['joint.contact_x']])
     np.savetxt(tmp_path / 'a.csv', rows, delimiter=',', header='t,F,x', comments='')
     refused = Command('replay', replay, capfd)(tmp_path / 'a.csv')
-    assert refused.code and 'a minus changes the sign of a column: --columns' in refused.err
+    assert refused.code and 'a minus changes a sign: --columns' in refused.err
     assert refused.err.count('set force_sign') == 1
     assert not Command('replay', replay, capfd)(
         tmp_path / 'a.csv', '--columns', 'wrench.force.x=-F').code

@@ -49,7 +49,7 @@ def write_picture(
 
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
-_OF_A_TABLE = {'force_sign': ' (a minus changes the sign of a column: --columns joint.z=-COLUMN)'}
+_OF_A_TABLE = {'force_sign': ' (a minus changes a sign: --columns wrench.force.z=-COLUMN)'}
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
 
 
