@@ -170,9 +170,7 @@ class Evidence:
     # turn [rad]
     joints: Sequence[float] = ()
     limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
-    # means of the force [N] in axes of the sensor, were the wrench in the configured axes and in
-    # the other ones, and of the weight per mass there [m/s^2], (3, 3), as an arm has turned
-    loads: Sequence[Array] = ()
+    loads: Sequence[Array] = ()  # as of `Loads.kept`
     # what a check has found, until the checks are reset
     memory: dict[str, Any] = field(default_factory=dict)
 

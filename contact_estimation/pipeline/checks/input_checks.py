@@ -6,13 +6,13 @@
 from array import array
 from collections import deque
 from functools import partial
-from math import cos, inf, nan, radians
+from math import inf, nan
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .axes_checks import WrenchAxes
+from .axes_checks import Loads, WrenchAxes
 from .check import Array, AxisState, bias_of, BLOCKS, Check, Evidence, Forces, Warned
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
@@ -28,8 +28,6 @@ from ...signals.contact_sample import AxesSample
 
 _BLOCK_S = 0.5
 _LEAST_BLOCK = 25  # samples
-_ORIENTATIONS = 60  # of the sensor of an arm, kept as evidence
-_TURNED = cos(radians(5.0))  # from one to the next
 _KEPT = 50_000  # wrenches and joint stamps while no sample comes
 FREE = EstimateStatus.FREE
 """An enumeration takes long to look up."""
@@ -103,7 +101,7 @@ class EvidenceWindow:
         """Forget how far the axes have moved and what they have pressed with."""
         self._travel = {axis: (inf, -inf) for axis in self._axes}
         self._pressing = {axis: -inf for axis in self._axes}
-        self._loads: deque[Array] = deque(maxlen=_ORIENTATIONS)
+        self._loads = Loads()
 
     def restart(self, sample_rate: float) -> None:
         """Start a new window, as after a clock jump: stamps to come are from before it."""
@@ -138,20 +136,11 @@ class EvidenceWindow:
             touched |= bool(table[4].any() and not before)
             self._windows[axis].append(table)
         self._others.append(self.wrenches.until(end_ns))
-        self._keep_load(self.loads.until(end_ns)[:, 1:])
+        self._loads.add(self.loads.until(end_ns)[:, 1:])
         joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
         return touched
-
-    def _keep_load(self, table: Array) -> None:
-        """Keep the mean force of an arm whose sensor has turned against gravity."""
-        if not len(table):
-            return
-        load = table.mean(axis=0).reshape(3, 3)
-        down, last = load[2], self._loads[-1][2] if self._loads else -load[2]
-        if down @ last < _TURNED * np.linalg.norm(down) * np.linalg.norm(last):
-            self._loads.append(load)
 
     def evidence(
         self, axis: str, parameters: EstimationParameters, state: AxisState,
@@ -166,7 +155,7 @@ class EvidenceWindow:
             axis, parameters, state, (stamps - begin) * 1e-9, x, v,
             force - bias_of(axis, parameters, state),
             touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
-            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, tuple(self._loads),
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, tuple(self._loads.kept),
             self._memory[axis])
 
     def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
@@ -209,7 +198,7 @@ class InputChecks:
     joint_stamps: stamps of joint states to come [ns]; the session appends to it
     wrenches: stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to
     it
-    loads: stamp [ns] and what `Evidence.loads` are the means of, of an arm
+    loads: of an arm, stamp [ns] and `ContactKinematics.loads`
     due: number of samples of a block after which there is something to judge
     joints, limits: of an arm, the last positions of its joints and, by place, names and limits of
     those that turn [rad]; the inputs set both
