@@ -10,6 +10,7 @@ from typing import Any, Sequence
 
 from arm_contact import (
     CENTRE as TOOL_CENTRE, JOINTS as ARM_JOINTS, MASS as TOOL_MASS, PARAMETERS, pose, urdf)
+import contact_estimation as ce
 from contact_estimation.commands.calibrate_tool import main
 from contact_estimation.kinematics.contact_kinematics import ArmSample
 from contact_estimation.kinematics.tool_load import (
@@ -124,6 +125,16 @@ def test_wrong_force_sign_of_the_parameter_file_is_named(
     assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 
 
+def test_a_frame_of_a_driver_is_explained(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / 'run.mcap', POSES[:1])
+    (tmp_path / 'params.yaml').write_text(
+        '/**: {ros__parameters: {force_sensor: {frame: tool0_controller}}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
+    assert 'set force_sensor.frame to tool0' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize('recorded, given', [('base', 'sensor'), ('sensor', 'base')])
 def test_axes_of_the_wrench_are_recognised_and_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], recorded: str, given: str
@@ -139,6 +150,19 @@ def test_axes_of_the_wrench_are_recognised_and_named(
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['mass_kg']['value'] == pytest.approx(MASS, abs=0.02)
     assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.002)
+
+
+@pytest.mark.parametrize('recorded, given', [
+    ('base', 'sensor'), ('sensor', 'base'), ('base', 'base'), ('sensor', 'sensor')])
+def test_axes_of_the_wrench_are_recognised_in_a_recording_to_be_diagnosed(
+    tmp_path: Path, recorded: str, given: str
+) -> None:
+    write(tmp_path / 'run.mcap', POSES, axes=recorded)
+    (tmp_path / 'arm.urdf').write_text(urdf())
+    found = ce.read_recording(tmp_path / 'run.mcap', parameters={
+        **PARAMETERS, 'tool.mass': 0.0, 'force_sensor.axes': given,
+        'robot_description_file': str(tmp_path / 'arm.urdf')}).foreign_axes
+    assert (f'set force_sensor.axes to {recorded}' in found) == bool(found) == (recorded != given)
 
 
 Array = NDArray[np.float64]

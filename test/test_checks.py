@@ -3,7 +3,7 @@
 
 """Each check fires on the wrong use it is for, alone, and on nothing else."""
 
-from typing import Callable, Mapping
+from typing import Any, Callable, Mapping
 
 from concealed_worlds import nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, examine
@@ -184,7 +184,9 @@ COARSE: Mapping[str, tuple[str, Change]] = {
         force=np.maximum(s.force, 0.6 * float(np.min(s.force))))),
 }
 
-OF_FILES = {'complete_file': (0.0, 'it ends within its data'), 'stamp_order': (3.0, '')}
+OF_FILES: Mapping[str, Mapping[str, Any]] = {
+    'complete_file': {'damage': 'it ends within its data'}, 'stamp_order': {'stamps_back_s': 3.0},
+    'wrench_axes': {'foreign_axes': 'set force_sensor.axes to base'}}
 
 
 def failed(signals: Signals, model: PlantParameters) -> list[Check]:
@@ -222,9 +224,9 @@ def test_every_check_is_tested_here() -> None:
 
 @pytest.mark.parametrize('name', OF_FILES)
 def test_fault_of_a_file_fails_its_check_alone(name: str) -> None:
-    recording = Recording('file', recorded(), *OF_FILES[name])
+    recording = Recording('file', recorded(), **OF_FILES[name])
     (found,) = [one for one in check(recording, nominal())[0] if not one.ok]
-    assert (found.name, found.fatal) == (name, name == 'stamp_order')
+    assert (found.name, found.fatal) == (name, name != 'complete_file')
 
 
 @pytest.mark.parametrize('location', [-0.1, 0.06, 1.0])

@@ -18,7 +18,7 @@ from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.pipeline.wall_law import laws_in_words, WallLawNews
 from contact_estimation.signals.contact_sample import ContactSample
-from core_runs import contact_samples
+from core_runs import contact_samples, pipeline_with
 from hypothesis import given, Phase, settings, strategies as st
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,17 @@ def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
     assert (known.stiffness_std < 0.01 * K, known.reason) == (True, '')
     assert lost.status is FREE and lost.stiffness_std != lost.stiffness_std
     assert 'the stiffness has no band' in lost.reason
+
+
+@pytest.mark.parametrize('estimator', ['multiple_model', 'rls'])
+def test_an_estimate_whose_band_a_change_of_parameters_has_taken_says_so(estimator: str) -> None:
+    pipeline, samples = pipeline_with(estimator=estimator), contact_samples(0.6)
+    known = [pipeline.take(one) for one in samples][-1]
+    pipeline.configure(changed(pipeline.parameters, {'environment.location': 0.001}))
+    after = pipeline.take(samples[0]._replace(stamp_ns=samples[-1].stamp_ns + 2_000_000))
+    assert (after.status, after.stiffness) == (FREE, known.stiffness)
+    assert after.stiffness_std != after.stiffness_std
+    assert 'the stiffness has no band' in after.reason
 
 
 @pytest.mark.parametrize('step, factor', [(3.0, 1.0), (5.0, 1.0), (3.0, 1.5)])

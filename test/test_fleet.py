@@ -292,12 +292,18 @@ def test_wrong_options_are_refused_in_one_line(
 def test_an_estimate_that_lost_its_band_is_no_value_of_a_contact() -> None:
     one = Estimate(0, 4800.0, 200.0, 5.0, 2.0, 0.0, nan, EstimateStatus.ESTIMATING, '', 1.0)
     values = {}
-    for name, std in (('kept', [5.0, 4.0]), ('lost', [5.0, nan]), ('never', [nan, nan])):
+    for name, status, std in (
+        ('kept', EstimateStatus.ESTIMATING, [5.0, 4.0]),
+        ('lost', EstimateStatus.ESTIMATING, [5.0, nan]),
+        ('never', EstimateStatus.ESTIMATING, [nan, nan]),
+        ('withheld', EstimateStatus.FROZEN, [nan, nan]),
+    ):
         episodes = Episodes()
-        episodes.add(one._replace(stamp_ns=k * 10**9, stiffness_std=value)
-                     for k, value in enumerate(std))
+        episodes.add(one._replace(stamp_ns=k * 10**9, stiffness_std=value, status=status,
+                                  reason='why') for k, value in enumerate(std))
         values[name] = episodes.found()[0]['stiffness']
-    assert values == {'kept': 4800.0, 'lost': None, 'never': 4800.0}
+        assert episodes.found()[0]['reason'] == 'why'
+    assert values == {'kept': 4800.0, 'lost': None, 'never': 4800.0, 'withheld': None}
 
 
 def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(

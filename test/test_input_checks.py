@@ -16,6 +16,7 @@ from contact_estimation.pipeline.events import (
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.stream_faults import courses_of
 from contact_estimation.studies import online_contacts
 from core_runs import contact_samples
 import numpy as np
@@ -90,6 +91,16 @@ def test_mistake_is_the_headline_and_its_estimate_is_withheld() -> None:
         assert last.status is not EstimateStatus.ESTIMATING, (name, text, options)
         numbers = re.compile(r'[-+.0-9]+')
         assert numbers.sub('#', last.reason) == numbers.sub('#', said), (name, text, options)
+
+
+def test_neighbouring_counts_of_a_coarse_sensor_are_one_signal() -> None:
+    noisy = 13_384.0 + np.random.default_rng(0).normal(0.0, 2.0, 1000)
+    coarse = 5.37 * np.round(noisy / 5.37)
+    filled = np.where(np.arange(1000) % 2, coarse, 0.0)
+    assert courses_of(coarse, 4.8) is None
+    assert courses_of(filled, 4.8) == pytest.approx((0.0, 13_384.0), rel=1e-3)
+    two = np.where(np.arange(1000) % 2, -46.0, 0.0)
+    assert courses_of(two, 4.8) == pytest.approx((-46.0, 0.0))
 
 
 def yielding(force: float, position: float) -> Change:

@@ -8,7 +8,7 @@ from math import degrees, inf, nan
 from types import SimpleNamespace
 from typing import Any, Mapping
 
-from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, urdf
+from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, pose, START, urdf
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.checks.check import AxisState, Evidence, Forces
@@ -58,6 +58,37 @@ def test_an_arm_has_the_remedies_of_an_arm(
     told = session.checks.warnings()
     assert (told[0].name if told else '') == name, told
     assert not told or remedy.lower() in told[0].text.lower()
+
+
+@pytest.mark.parametrize('measured_in, configured, mass, zero, told', [
+    ('base', 'sensor', 1.2, (0.0, 0.0, 0.0), 'set force_sensor.axes to base'),
+    ('base', 'sensor', 1.2, (1.0, -2.0, 3.0), 'set force_sensor.axes to base'),
+    ('sensor', 'base', 1.2, (1.0, -2.0, 3.0), 'set force_sensor.axes to sensor'),
+    ('base', 'base', 1.2, (1.0, -2.0, 3.0), ''),
+    ('sensor', 'sensor', 1.2, (3.0, 2.0, -8.0), ''),
+    ('sensor', 'sensor', 0.0, (3.0, 2.0, -8.0), '')])
+def test_a_weight_that_turns_with_other_axes_is_the_headline(
+    measured_in: str, configured: str, mass: float, zero: tuple[float, ...], told: str
+) -> None:
+    session = ContactSession(build(EstimationParameters, {
+        **PARAMETERS, 'tool.mass': 0.0, 'force_sensor.axes': configured,
+        'sample_rate': 200.0,
+        'estimator': 'multiple_model'}))
+    session.describe(urdf())
+    inputs, rng = MessageInputs(session), np.random.default_rng(0)
+    amplitude, phase = np.array([0.8, 0.5, 1.2]), np.array([0.0, 1.0, 2.0])
+    for k in range(1200):
+        q = START + amplitude * np.sin(0.01 * k * (1.0 + 0.3 * phase) + phase)
+        R = pose(tuple(q), 'sensor', 'world')[:3, :3]
+        force = R.T @ [0.0, 0.0, -9.80665 * mass] + zero + rng.normal(0.0, 0.3, 3)
+        if measured_in == 'base':
+            force = pose(tuple(q), 'sensor')[:3, :3] @ force
+        inputs.process_motion(joint_state_bytes(JOINTS, q, stamp_ns=10**9 + 5_000_000 * k))
+        inputs.process_wrench(wrench_bytes(
+            force.tolist(), [0.0] * 3, stamp_ns=10**9 + 5_000_000 * k, frame_id='sensor'))
+    first, *_ = [*session.checks.warnings(), None]
+    assert told in first.text if told and first else not told
+    assert (first is not None and first.name == 'wrench_axes') == bool(told)
 
 
 @pytest.mark.parametrize('counts, name, part', [

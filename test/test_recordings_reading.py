@@ -15,6 +15,7 @@ from contact_estimation.pipeline.events import EstimationEvent, START
 from contact_estimation.recordings import (
     chunk_reader, RecordingReader, RecordingWriter, rosbags_file)
 from contact_estimation.recordings.encoding import encode_string, JointStateEncoder, WrenchEncoder
+from contact_estimation.recordings.source import require_topics
 from core_runs import contact_samples
 import mcap.exceptions
 import mcap.stream_reader
@@ -88,6 +89,25 @@ def test_missing_topic_lists_those_that_are_there(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='has no topic /wrench; it has: /even .*/odd') as e:
         reader.messages(['wrench', 'odd'])
     assert '--topic wrench:=/name' in str(e.value)
+
+
+@pytest.mark.parametrize('types, told', [
+    ({'/joint_states': 'sensor_msgs/msg/JointState'}, True),
+    ({'/joint_states': 'sensor_msgs/msg/JointState', '/ft': 'geometry_msgs/msg/Wrench'}, False),
+    ({'/odom': 'nav_msgs/msg/Odometry'}, False)])
+def test_joint_states_alone_may_be_of_an_arm_without_a_force_sensor(
+    types: dict[str, str], told: bool
+) -> None:
+    with pytest.raises(RecordingError) as error:
+        require_topics(['/wrench'], types, 'it')
+    assert ('set wrench_source to joint_efforts' in str(error.value)) == told
+
+
+def test_several_recordings_in_a_folder_are_named_without_its_other_files(tmp_path: Path) -> None:
+    for name in ('a.mcap', 'b.mcap', 'a.json'):
+        (tmp_path / name).touch()
+    with pytest.raises(RecordingError, match=r'several recordings \(a.mcap, b.mcap\)'):
+        RecordingReader(tmp_path)
 
 
 def test_reading_imports_neither_estimators_nor_rosbags() -> None:

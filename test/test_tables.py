@@ -333,6 +333,19 @@ def test_signal_without_a_number_is_refused(tmp_path: Path) -> None:
         ce.read_table(tmp_path / 'a.csv')
 
 
+def test_a_sign_of_a_table_is_changed_by_its_column(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    signals = ce.read_table(recording)
+    rows = np.column_stack([signals['t'], -signals['wrench.force.x'], signals['joint.contact_x']])
+    np.savetxt(tmp_path / 'a.csv', rows, delimiter=',', header='t,F,x', comments='')
+    refused = Command('replay', replay, capfd)(tmp_path / 'a.csv')
+    assert refused.code and 'a minus changes a sign: --columns' in refused.err
+    assert refused.err.count('set force_sign') == 1
+    assert not Command('replay', replay, capfd)(
+        tmp_path / 'a.csv', '--columns', 'wrench.force.x=-F').code
+
+
 @pytest.mark.slow
 def test_bag_to_csv_to_bag_gives_the_same_estimates(
     recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]

@@ -164,6 +164,18 @@ def test_a_tracked_zero_takes_the_drift_out_of_the_stiffness(
     assert not names & {'force_bias', 'zero_step'}
 
 
+def test_a_tracked_zero_leaves_a_band_where_the_surface_is_unknown(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'a.yaml').write_text(
+        '/**: {ros__parameters: {environment: {location: .nan}}}\n')
+    Command('replay', replay, capfd)(
+        drifting(tmp_path, 0.5), '--tare', 'tracked', '--params', tmp_path / 'a.yaml', '--json',
+        tmp_path / 'a.json')
+    summary = json.loads((tmp_path / 'a.json').read_text())
+    assert abs(summary['stiffness'] - TRUE_K) < 2.0 * summary['stiffness_std'] < 0.01 * TRUE_K
+
+
 def test_a_step_of_a_tracked_zero_is_told(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -20,6 +20,7 @@ from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameter_files import read_parameter_file
 from ..parameters import specifications
+from ..pipeline.arm_kinematics import hint_of_driver
 from ..pipeline.recorded_arm import recorded_description
 from ..recordings import RecordingReader
 from ..recordings.source import canonical, RecordingSource
@@ -62,7 +63,10 @@ def run(options: Any) -> int:
             'in --params as force_sensor.frame (UR drivers that leave it empty: tool0, with '
             'force_sensor.axes: base)')
     urdf, origin = _description(options, reader, source)
-    model = RobotModel(urdf, _root(urdf, origin), frame)
+    try:
+        model = RobotModel(urdf, _root(urdf, origin), frame)
+    except UnknownNameError as error:
+        raise UnknownNameError(f'{error}{hint_of_driver(frame)}') from error
     sign = _force_sign(given)
     base = str(given.get('kinematics.base') or model.base)
 

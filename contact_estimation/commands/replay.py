@@ -66,7 +66,7 @@ def run(options: Any) -> int:
         files = [*_open_files(options, ''.join(replay.session.pipelines), stack),
                  *filter(None, (trace,))]
         replayed = _replay(replay, reader, files)
-    refuse_empty(options.recording, replay, replayed, partial(_cause, options))
+    refuse_empty(reader, replay, replayed, partial(_cause, options))
     summary = summary_of(replay, reader, replayed, time.perf_counter() - begin)
     write_results(options, {'json': lambda: as_json(summary)})
     print_summary(summary)

@@ -49,6 +49,7 @@ def write_picture(
 
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
+_OF_A_TABLE = {'force_sign': ' (a minus changes a sign: --columns wrench.force.z=-COLUMN)'}
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
 
 
@@ -81,15 +82,15 @@ class Replayed:
 
 
 def refuse_empty(
-    recording: str, replay: RecordingReplay, replayed: Replayed, cause: Callable[[], str]
+    reader: RecordingReader, replay: RecordingReplay, replayed: Replayed, cause: Callable[[], str]
 ) -> None:
     """Refuse a replay that never updated the first guess."""
     if replayed.samples < LEAST_SAMPLES and (found := cause()):
         raise RecordingError(found)
     if not replayed.samples:
-        raise no_usable_sample(recording, replay.session)
+        raise no_usable_sample(str(reader.path), replay.session)
     if EstimateStatus.ESTIMATING not in replayed.statuses:
-        raise RecordingError(_nothing_estimated(recording, replay, replayed, cause))
+        raise RecordingError(_nothing_estimated(reader, replay, replayed, cause))
 
 
 def summary_of(
@@ -125,23 +126,25 @@ def summary_of(
 
 
 def _nothing_estimated(
-    recording: str, replay: RecordingReplay, replayed: Replayed, ask: Callable[[], str]
+    reader: RecordingReader, replay: RecordingReplay, replayed: Replayed, ask: Callable[[], str]
 ) -> str:
     """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
-    causes = [found.warned.text for found in replay.session.checks.ordered_warnings()
-              if found.warned.name != _NO_CAUSE]
+    warned = [found.warned for found in replay.session.checks.ordered_warnings()]
+    causes = [one.text + _OF_A_TABLE.get(one.name, '') * bool(reader.columns)
+              for one in warned if one.name != _NO_CAUSE]
     cause = causes[0] if causes else ask()
     free = replayed.statuses == {EstimateStatus.FREE}
     said = '; '.join(filter(None, (
         cause, replay.session.checks.explain_no_contact(axis) if free else '')))
+    withheld = any(one.invalidates for one in warned)  # the reasons repeat its text
     held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3)
-                     if reason not in said)
+                     if not withheld and reason not in said)
     if free:
-        return (f'no contact seen in {recording}: {said}'
+        return (f'no contact seen in {reader.path}: {said}'
                 + f' (of {replayed.samples} samples {held})' * bool(held))
-    unused = f'no sample in contact could be used ({held})' if not causes else ''
-    return f'nothing could be estimated in {recording}: ' + '; '.join(
+    unused = f'no sample in contact could be used ({held})' if held else ''
+    return f'nothing could be estimated in {reader.path}: ' + '; '.join(
         filter(None, (cause, unused)))
 
 

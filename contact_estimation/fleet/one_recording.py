@@ -119,9 +119,9 @@ class Episodes:
         """
         Return the contacts.
 
-        Returns episodes: number from 1, begin and end [s] since the first sample, status and
-        estimates at the end; None for what is not estimated, or has lost its band by what
-        contradicts it. Contacts under 0.2 s are left out.
+        Returns episodes: number from 1, begin and end [s] since the first sample, status with its
+        reason and estimates at the end; None for what is not estimated, is withheld, or has lost
+        its band by what contradicts it. Contacts under 0.2 s are left out.
         """
         self._finish()
         return self._found
@@ -132,11 +132,12 @@ class Episodes:
             return
         begin, end = ((stamp - self.first_ns) * 1e-9 for stamp in (self._begin_ns, last.stamp_ns))
         if end - begin >= _LEAST_CONTACT_S:
-            lost = self._had_band and not isfinite(last.stiffness_std)
+            withheld = self._had_band or last.status is EstimateStatus.FROZEN
+            lost = withheld and not isfinite(last.stiffness_std)
             values = {name: nan if lost else float(getattr(last, name)) for name in _VALUES}
             self._found.append({
                 'episode': len(self._found) + 1, 'begin_s': begin, 'end_s': end,
-                'status': last.status.value,
+                'status': last.status.value, 'reason': last.reason,
                 **{name: value if isfinite(value) else None for name, value in values.items()},
             })
 

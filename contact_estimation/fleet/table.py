@@ -33,6 +33,7 @@ COLUMNS = (
     Column('begin_s', 'number', 's', 'begin of the episode, since `start`'),
     Column('end_s', 'number', 's', 'end of the episode, since `start`'),
     Column('status', 'text', '', 'of the estimator at the end of the episode'),
+    Column('reason', 'text', '', 'for that status, such as why an estimate is withheld'),
     Column('stiffness', 'number', 'N/m', 'K_e estimated on line, at the end of the episode'),
     Column('stiffness_std', 'number', 'N/m', 'standard deviation of `stiffness`'),
     Column('damping', 'number', 'N s/m', 'B_e estimated on line, at the end of the episode'),

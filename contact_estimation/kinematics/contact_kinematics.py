@@ -120,6 +120,21 @@ class ContactKinematics:
         x, y, z = (self._wall @ self._force).tolist()
         return ((x, y, z), (z, x, y), (y, z, x))[place]
 
+    def loads(self, measured: Sequence[float]) -> list[float]:
+        """
+        Return the force and the weight per mass of the last sample in axes of the sensor, (9,).
+
+        The force is that of a wrench in the configured axes, then in the other ones.
+
+        measured (6,): its wrench
+        """
+        assert self.state is not None
+        R = self.state.R_sensor
+        force = self._sign * np.array(measured[:3], float)
+        turned = force @ R
+        pair = (turned, force) if self._in_base else (force, turned)
+        return np.concatenate([*pair, self._gravity @ R]).tolist()  # type: ignore[no-any-return]
+
     def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
         """Return R and p of the tip in the base [m], and x [m] and v [m/s] along the normal."""
         count = len(motion) // 2

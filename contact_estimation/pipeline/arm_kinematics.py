@@ -118,6 +118,11 @@ _NO_FRAME = ('the driver leaves frame_id empty: set force_sensor.frame to the li
              'for UR drivers tool0, with force_sensor.axes: base')
 
 
+def hint_of_driver(frame: str) -> str:
+    """Return what else to say of a frame that no description has; '' of none of a known driver."""
+    return next((f'; {hint}' for end, hint in _DRIVERS if frame.endswith(end)), '')
+
+
 class ArmFrames:
     """
     The frames of tf, as far as they have been received.
@@ -158,7 +163,7 @@ class ArmFrames:
             found = self.tree.anchor(frame, arm.model.links)
             if found is None:
                 text = f'{error}; or publish its mounting on /tf_static'
-                text += next((f'; {hint}' for end, hint in _DRIVERS if frame.endswith(end)), '')
+                text += hint_of_driver(frame)
                 text += f' ({self.unreadable})' if self.unreadable else ''
                 self._refused = frame, text
                 raise UnknownNameError(text) from error

@@ -56,14 +56,15 @@ class LastingError:
         Add up what errors may have done to the estimate.
 
         touching: whether the sample is in contact
-        dt, d, v: time since the last sample [s], depth [m], measured rate, NaN without [m/s]
+        dt, d, v: time since the last sample [s], depth [m], NaN before the surface is known,
+        measured rate, NaN without [m/s]
         errors, tracker: of the force [N], and that of its zero
         """
         rate = v if v == v else (d - self._last_d) / dt if dt > 0.0 else 0.0
         self._last_d = d
         if errors:
             self._contact.expect_noise(hypot(*errors))
-        if not touching or rate != rate:
+        if not touching or d != d or rate != rate:
             self._own = 0
             return
         of_zero = (tracker.zero_std * self._contact.noise_std,) if tracker is not None else ()

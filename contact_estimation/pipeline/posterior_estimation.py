@@ -18,7 +18,6 @@ _LEAST_NOISE = 0.01  # of the configured noise: simulated sensors have none
 
 LOCATING = 'locating the surface'
 NEITHER = 'a force that is neither that of free flight nor of the wall'
-_LOST = 'the stiffness has no band: the last contact left open what it is; touch down again'
 
 
 def initial_estimate(environment: EnvironmentParameters) -> ParameterEstimate:
@@ -89,10 +88,7 @@ class PosteriorEstimation:
             if now.valid:
                 return self.held, _ESTIMATING, ''
             return self.held, _FROZEN, LOCATING
-        reasons = [] if state == FREE else [NEITHER]
-        if now.stiffness == now.stiffness and not now.valid:
-            reasons.append(_LOST)
-        return self.held, _FREE, '; '.join(reasons)
+        return self.held, _FREE, '' if state == FREE else NEITHER
 
     def _estimate_of(self, now: Knowledge) -> ParameterEstimate:
         if not now.valid:

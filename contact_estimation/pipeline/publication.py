@@ -13,6 +13,8 @@ from ..estimators.estimate import EstimateStatus, ParameterEstimate
 from ..estimators.multiple_model import WallPosterior
 
 _FREE, _FROZEN = EstimateStatus.FREE, EstimateStatus.FROZEN  # an enumeration takes long to look up
+_LOST = ('the stiffness has no band: the last contact left open what it is, or parameters have '
+         'changed since; touch down again')
 
 
 class Publication:
@@ -30,6 +32,7 @@ class Publication:
     def configure(self, parameters: EstimationParameters) -> None:
         """Set the robot whose compliance is removed."""
         self._robot = include_joint_compliance(parameters.robot, parameters.physics)
+        self._first_guess = parameters.environment.initial_stiffness
 
     def begin(self, posterior: WallPosterior, surface: Surface) -> None:
         """Begin with a wall that is not known."""
@@ -44,6 +47,10 @@ class Publication:
 
         shift: how far known physics have moved the surface [m]
         """
+        now = self._posterior.known
+        if own[2] != own[2] and status is not _FROZEN and (
+                now.stiffness == now.stiffness or own[0] != self._first_guess):
+            reason = f'{reason}; {_LOST}' if reason else _LOST
         own = self.lasting.widened(own)
         if self._robot.compliance or self._robot.compliance_std:
             own = remove_robot_compliance(own, self._robot)
@@ -51,6 +58,5 @@ class Publication:
         if self.invalid:
             status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
             K_std = B_std = nan
-        now = self._posterior.known
         surface = (now.surface if now.valid else self._surface.location) + shift
         return K, B, K_std, B_std, surface, inertia, status, reason, self.model_fit.now.ratio

@@ -15,6 +15,7 @@ from .arm_efforts import EffortDecoder
 from .arm_kinematics import (
     ArmFrames, described_in_file, kinematics_of, kinematics_of_frames, static_of_parameters)
 from .axes import Moment
+from .checks.axes_checks import foreign_axes, Loads
 from .events import DESCRIPTION, EstimationEvent, READY, START, STATIC
 from .parameters import EstimationParameters
 from .tracked_zero import tracked_zero
@@ -116,6 +117,7 @@ def recorded_description(reader: RecordingReader, source: RecordingSource) -> st
 
 Array = NDArray[np.float64]
 
+_BLOCK_NS = 500_000_000  # over which loads of the sensor are averaged
 _SMOOTHED_S = 0.02  # over which the acceleration of the tool is taken
 
 
@@ -192,13 +194,16 @@ def read_arm_signals(
     samples = [ArmSample(0, *pair) for pair in zip(
         at_wrenches.T.tolist(), wrench.values[:, usable].T.tolist())]
     _hold_where_pressing_most(arm, samples)
-    force = np.array([arm.contact(sample).force for sample in samples])
+    force, loads = np.zeros(len(samples)), np.zeros((len(samples), 9))
+    for k, sample in enumerate(samples):
+        force[k], loads[k] = arm.contact(sample).force, arm.loads(sample.wrench)
     x = np.array([arm.motion(row)[2:] for row in motion.values.T.tolist()]).T
     stamps_ns, mass = wrench.stamp_ns[usable], parameters.physics.tool_inertia.mass
     if not isnan(mass):
         force += mass * _acceleration(Signal(motion.stamp_ns, x), stamps_ns)
     return RecordedSignals(
-        Signal(stamps_ns, force[None]), Signal(motion.stamp_ns, x), reference, arm.model.base)
+        Signal(stamps_ns, force[None]), Signal(motion.stamp_ns, x), reference, arm.model.base,
+        foreign_axes=_foreign_axes(loads, stamps_ns, parameters))
 
 
 def _from_joints(
@@ -269,6 +274,19 @@ def _interpolated(
     usable = (stamps_ns >= first) & (stamps_ns <= last) & (gap_ns <= longest_s * 1e9)
     t, times = (stamps_ns[usable] - first) * 1e-9, (motion.stamp_ns - first) * 1e-9
     return usable, np.array([np.interp(t, times, row) for row in motion.values])
+
+
+def _foreign_axes(
+    table: Array, stamps_ns: NDArray[np.int64], parameters: EstimationParameters
+) -> str:
+    """Return what loads (N, 9) say of the axes of the wrench, as on line; '': nothing."""
+    if parameters.wrench_source == JOINT_EFFORTS:
+        return ''
+    loads = Loads()
+    for block in np.split(table, np.flatnonzero(np.diff(stamps_ns // _BLOCK_NS)) + 1):
+        loads.add(block)
+    noise = parameters.contact.force_noise
+    return foreign_axes(loads.kept, noise, parameters.force_sensor.axes) or ''
 
 
 def _hold_where_pressing_most(arm: ContactKinematics, samples: list[ArmSample]) -> None:

@@ -254,6 +254,7 @@ class ContactSession:
         sample = arm.contact(paired[0])
         self.checks.wrenches.append(
             (sample[0], *arm.components('xyz'.index(self.parameters.axis))))
+        self.checks.loads.append((sample[0], *arm.loads(paired[0].wrench)))
         return (sample,), arm.state
 
     def _estimate(self, axes: AxesSample) -> AxesEstimates:

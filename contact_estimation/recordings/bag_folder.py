@@ -9,7 +9,7 @@ import hashlib
 import os
 from pathlib import Path, PurePosixPath
 import re
-from typing import Any, Collection
+from typing import Any, Collection, Iterable
 
 import yaml
 
@@ -149,7 +149,7 @@ def recording_files(path: Path) -> list[Path]:
     files = sorted(path.glob('*.mcap'), key=lambda file: natural_order(file.name))
     if len({re.sub(r'_\d+$', '', file.stem) for file in files}) > 1:
         raise RecordingError(
-            f'folder {path} holds several recordings ({_content(path)}) and no metadata.yaml; '
+            f'folder {path} holds several recordings ({_listed(files)}) and no metadata.yaml; '
             'expected one recording, whose files differ in a number at the end; give one of them')
     if files:
         return files
@@ -158,7 +158,7 @@ def recording_files(path: Path) -> list[Path]:
         return files
     raise RecordingError(
         f'folder {path} holds no recording: expected metadata.yaml or *.mcap, '
-        f'got {_content(path)}; give an .mcap file or a rosbag2 folder')
+        f'got {_listed(path.iterdir())}; give an .mcap file or a rosbag2 folder')
 
 
 def needs_rosbags(path: Path) -> bool:
@@ -202,9 +202,9 @@ def natural_order(name: str) -> list[tuple[int, str]]:
             for part in re.split(r'([0-9]+)', name)]
 
 
-def _content(folder: Path) -> str:
-    """List the first entries of a folder."""
-    names = sorted(entry.name for entry in folder.iterdir())
+def _listed(entries: Iterable[Path]) -> str:
+    """Name the first of some entries of a folder."""
+    names = sorted(entry.name for entry in entries)
     return ', '.join(names[:3]) + (' and more' if len(names) > 3 else '') or 'nothing'
 
 

@@ -95,7 +95,7 @@ class RecordingReader:
             hidden = sum(file.hidden for file in self._files)
             if hidden and {canonical(topic) for topic in topics} - set(map(canonical, types)):
                 raise RecordingError(
-                    f'recording {self.path} has {hidden} damaged stretches, and what describes '
+                    f'recording {self.path} has {hidden} damaged stretch(es), and what describes '
                     f'{", ".join(topics)} is in none that can be read (there: '
                     f'{", ".join(types) or "no topic"}); use another copy of the file, or '
                     'recover it with: mcap recover')

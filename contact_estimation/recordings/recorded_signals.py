@@ -115,6 +115,7 @@ class RecordedSignals:
     frame_id: str  # frame of the wrench
     foreign: int = 0  # number of wrenches left out, since they have another frame
     tare: Tare | None = None  # what was subtracted from the force
+    foreign_axes: str = ''  # of an arm: that the wrench is in other axes than configured
 
 
 def read_signals(

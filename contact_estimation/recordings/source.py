@@ -12,6 +12,8 @@ from ..exceptions import RecordingError, UnknownNameError
 from ..texts import json_content
 
 _ROLES = ('wrench', 'joint_states', 'reference_trajectory')
+_WITHOUT_SENSOR = (
+    '; of an arm without a force sensor, set wrench_source to joint_efforts (--params)')
 
 
 def canonical(topic: str) -> str:
@@ -30,10 +32,12 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     likewise = ''
     if role not in _ROLES:  # chosen with --topic for an unknown role
         role, likewise = _ROLES[0], f' (likewise {", ".join(_ROLES[1:])})'
+    unmeasured = role == 'wrench' and any('JointState' in kind for kind in types.values()) and (
+        not any('Wrench' in kind for kind in types.values()))
     raise RecordingError(
         f'{where} has no topic {", ".join(canonical(topic) for topic in missing)}; it has: '
         f'{there}; say which one to read with --topic {role}:='
-        f'{_nearest(missing[0], types)}{likewise}')
+        f'{_nearest(missing[0], types)}{likewise}' + _WITHOUT_SENSOR * unmeasured)
 
 
 def _nearest(topic: str, types: Mapping[str, str]) -> str:

@@ -35,6 +35,7 @@ _FEWEST = 3  # samples of the rarer course in a block: fewer are outliers
 # noise has 0.30 +- 0.05 there, a uniform one 0.23, and this or less in fewer than 1e-3 of blocks.
 _WITHIN = 1.0 / (1.0 + 0.25 * CLEAR**2)
 _LEAST_BLOCKS, _OF_BLOCKS = 6, 0.5
+_ROUNDING = 1e-9  # of the greatest value
 
 _PIECE = 25  # samples of the shortest level
 _BESIDE = 5  # samples whose median an outlier does not move
@@ -124,8 +125,19 @@ def courses_of(values: NDArray[np.float64], least: float) -> Courses | None:
             or changes[two].sum() < by_chance[two].sum() - 3.0 * np.sqrt(by_chance[two].sum())):
         return None
     scale = np.max(np.abs(values))
-    levels = [scale * float(np.median(side[rows, place][two])) for side in (low, high)]
-    return Courses(*levels)
+    levels = scale * np.array([low, high])[:, rows, place][:, two]
+    if np.median(levels[1] - levels[0]) < 2.0 * _resolution(values):
+        return None
+    return Courses(*np.median(levels, axis=1).tolist())
+
+
+def _resolution(values: NDArray[np.float64]) -> float:
+    """Return the least step between values, between which a coarse signal alternates by noise."""
+    there = np.unique(values)
+    if len(there) == 2 and 0.0 in there:
+        return 0.0  # one source may fill in zeros
+    steps = np.diff(there)
+    return float(np.min(steps[steps > _ROUNDING * np.max(np.abs(there))], initial=np.inf))
 
 
 class ZeroStep(NamedTuple):

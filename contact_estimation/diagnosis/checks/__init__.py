@@ -26,7 +26,8 @@ CHECKS: Mapping[str, Test] = {
     'sampling_rate': Test(
         stamps.sampling_rate, after=('stamp_bursts',), could_cause=of_families(
             'timing', 'inertia', 'damping_law', 'robot', 'limits', 'clearance', 'adhesion')),
-    'clock_offset': Test(stamps.clock_offset, after=('sampling_rate',)),
+    'wrench_axes': Test(signs_and_axes.wrench_axes),
+    'clock_offset': Test(stamps.clock_offset, after=('sampling_rate', 'wrench_axes')),
     'common_time': Test(stamps.common_time, after=('clock_offset',)),
     'gaps': Test(stamps.gaps, after=('clock_offset',),
                  could_cause=of_families('relaxation', 'hysteresis')),

@@ -15,6 +15,12 @@ from ..observe.signals import Signals
 from ...signals.stream_faults import CLEAR
 
 
+def wrench_axes(evidence: Evidence) -> Finding:
+    """Find a wrench of an arm in other axes than configured, by the weight of the tool."""
+    found = evidence.recording.foreign_axes
+    return Finding(not found, found or 'no weight turns with other axes than configured')
+
+
 def force_sign(evidence: Evidence) -> Finding:
     """Find a force that does not oppose the motion."""
     # A wall pushes back where x is largest; a permanently attached specimen takes up energy.

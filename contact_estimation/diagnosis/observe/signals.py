@@ -51,6 +51,7 @@ class Recording:
     rests_count: bool = True  # whether the stretches count in which a drive is held at rest
     tare: Tare | None = None  # what was subtracted from the force
     simulated: bool = False  # whether a simulator wrote it, whose sensors err by noise alone
+    foreign_axes: str = ''  # of an arm: that the wrench is in other axes than configured
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
@@ -193,7 +194,8 @@ def read_recording(
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
     return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
-                     _damage(reader, signals), tare=signals.tare)
+                     _damage(reader, signals), tare=signals.tare,
+                     foreign_axes=signals.foreign_axes)
 
 
 def _damage(reader: RecordingReader, signals: RecordedSignals) -> str:

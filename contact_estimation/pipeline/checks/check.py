@@ -170,6 +170,7 @@ class Evidence:
     # turn [rad]
     joints: Sequence[float] = ()
     limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
+    loads: Sequence[Array] = ()  # as of `Loads.kept`
     # what a check has found, until the checks are reset
     memory: dict[str, Any] = field(default_factory=dict)
 
@@ -325,6 +326,8 @@ class Check(ABC):
     invalidates: ClassVar[bool] = False
     # whether the state of the pipeline alone decides, at any time
     of_state: ClassVar[bool] = False
+    # whether it judges the force along the normal, which has no meaning in foreign axes
+    needs_axes: ClassVar[bool] = False
     confirmations: ClassVar[int] = 1  # judgements in a row that find it before it is reported
     # what takes long of a judgement, each done after a sample of its own, before `judge`; they
     # keep what they find in the evidence

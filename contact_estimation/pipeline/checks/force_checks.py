@@ -33,6 +33,7 @@ class ForceSign(Check):
     remedy = ('Set `force_sign` to the value given, or publish the position with +x into the '
               'wall; for an arm reverse `contact.normal`.')
     invalidates = True
+    needs_axes = True
 
     def judge(self, seen: Evidence) -> str | None:
         """Look for a one-sided force with the wrong slope, or on the wrong side."""
@@ -99,6 +100,7 @@ class OtherAxis(Check):
     remedy = ('Set `axis` (and `frame_id`), for an arm `contact.normal`, `force_sensor.frame` or '
               '`force_sensor.rpy`, and start again.')
     invalidates = True
+    needs_axes = True
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the other components with that of the contact axis."""
@@ -138,6 +140,7 @@ class ForceDirection(Check):
     cause = ('`contact.normal` does not point into the wall, or `force_sensor.frame` or '
              '`force_sensor.rpy` turns the wrench; or the tool slides with high friction.')
     remedy = 'Correct `contact.normal`, `contact.normal_frame` or the frame of the sensor.'
+    needs_axes = True
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force along the wall that follows the motion with that along the normal."""
@@ -183,6 +186,7 @@ class ForceBias(Check):
     remedy = ('Call `~/tare` out of contact, replay with `--tare first-free-flight`, or set '
               '`physics.force_bias.bias` to the value given. If the sensor drifts, set '
               '`force_sensor.zero: tracked` (`--tare tracked`).')
+    needs_axes = True
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""

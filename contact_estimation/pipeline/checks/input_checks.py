@@ -12,6 +12,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .axes_checks import Loads, WrenchAxes
 from .check import Array, AxisState, bias_of, BLOCKS, Check, Evidence, Forces, Warned
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
@@ -83,7 +84,7 @@ class EvidenceWindow:
 
     def __init__(self, pipelines: Mapping[str, Any]) -> None:
         self._axes = tuple(pipelines)
-        self.joint_stamps, self.wrenches = Pending(1), Pending(4)
+        self.joint_stamps, self.wrenches, self.loads = Pending(1), Pending(4), Pending(10)
         self.samples = [Pending(5) for _ in self._axes]
         self.reset()
         self.restart(0.0)
@@ -100,12 +101,14 @@ class EvidenceWindow:
         """Forget how far the axes have moved and what they have pressed with."""
         self._travel = {axis: (inf, -inf) for axis in self._axes}
         self._pressing = {axis: -inf for axis in self._axes}
+        self._loads = Loads()
 
     def restart(self, sample_rate: float) -> None:
         """Start a new window, as after a clock jump: stamps to come are from before it."""
         self.block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
         self.joint_stamps.clear()
         self.wrenches.clear()
+        self.loads.clear()
         self._windows: dict[str, deque[Array]] = {
             axis: deque(maxlen=BLOCKS) for axis in self._axes}
         self._others: deque[Array] = deque(maxlen=BLOCKS)
@@ -133,6 +136,7 @@ class EvidenceWindow:
             touched |= bool(table[4].any() and not before)
             self._windows[axis].append(table)
         self._others.append(self.wrenches.until(end_ns))
+        self._loads.add(self.loads.until(end_ns)[:, 1:])
         joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
@@ -151,7 +155,8 @@ class EvidenceWindow:
             axis, parameters, state, (stamps - begin) * 1e-9, x, v,
             force - bias_of(axis, parameters, state),
             touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
-            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, tuple(self._loads.kept),
+            self._memory[axis])
 
     def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
         """Return the components of the wrench that no axis estimates."""
@@ -164,7 +169,7 @@ class EvidenceWindow:
 
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
-    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), ForceDirection(),
+    PositionUnit(), JointVelocity(), WrenchAxes(), ForceSign(), OtherAxis(), ForceDirection(),
     StampSkew(), Surface(), StampSkewOrMass(), JointRate(), ZeroSteps(),
     ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
     SurfaceUnchecked(),
@@ -193,6 +198,7 @@ class InputChecks:
     joint_stamps: stamps of joint states to come [ns]; the session appends to it
     wrenches: stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to
     it
+    loads: of an arm, stamp [ns] and `ContactKinematics.loads`
     due: number of samples of a block after which there is something to judge
     joints, limits: of an arm, the last positions of its joints and, by place, names and limits of
     those that turn [rad]; the inputs set both
@@ -205,6 +211,7 @@ class InputChecks:
         self._p, self._pipelines = parameters, pipelines
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
+        self.loads = self._window.loads
         self.joints: Sequence[float] = ()
         self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
@@ -330,7 +337,9 @@ class InputChecks:
         return text if count >= check.confirmations else ''
 
     def _judge(self, seen: Evidence, check: Check) -> None:
-        text, key = check.judge(seen), (check.name, seen.axis)
+        key = check.name, seen.axis
+        in_foreign_axes = check.needs_axes and (WrenchAxes.name, seen.axis) in self._active
+        text = '' if in_foreign_axes else check.judge(seen)
         if text is None:
             return
         if not text:
