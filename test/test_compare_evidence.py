@@ -180,9 +180,16 @@ def test_the_likely_family_is_named_with_laws_alike() -> None:
     assert named(base, law, alike, scored(30.0, 'c')) == [('a', ['b'])]
 
 
+def test_where_several_families_share_a_place_one_is_named_and_the_others_are_listed() -> None:
+    base = scored(300.0)
+    assert named(base, *(scored(3.0, one) for one in 'abc')) == [('a', ['b', 'c'])]
+    both = [scored(3.0, 'a', one) for one in 'bc']
+    assert named(base, scored(30.0, 'a'), *both) == [('a', []), ('b', ['c'])]
+
+
 @pytest.mark.parametrize('models, names', [
     ([scored(1.0), scored(0.9, 'a')], []),
-    ([scored(300.0), *(scored(3.0, one) for one in 'abc')], []),  # no family is likely
+    ([scored(3.5), *(scored(3.0, one) for one in 'abc')], []),  # nothing is likelier than any
     ([scored(3e3), scored(1.9, 'a'), scored(2e3, 'b'), scored(1.0, 'a', 'b')], ['a']),  # a trifle
     ([scored(300.0), scored([3.0, 3.0, 3.0, 3.0, 900.0], 'a')], []),  # worse on one part
 ])

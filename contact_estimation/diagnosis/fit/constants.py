@@ -30,7 +30,7 @@ class Constants(NamedTuple):
     left_out: float
     # divisor of log posteriors that makes probabilities as large as names are often right
     temperature: float
-    named: float  # probability of a family from which on it is named
+    named: float  # probability of a family, or of a further law of any, from which on it is named
     # worth, worth_exact: least share of what zeros leave that is worth a name, of a law that is
     # inexact or exact
     worth: float

@@ -62,9 +62,8 @@ def likely(compared: Compared, seed: int) -> Named:
     evidence, models = compared.evidence, compared.models
     weights = evidence.weights(models, seed)
     families = of_families(models, weights)
-    probable = {family for family, weight in families.items()
-                if weight >= evidence.constants.named}
     order = ranked_by(range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
+    probable = _probable([models[k] for k in order], weights[order], evidence.constants.named)
     exactly = [k for k in order if models[k].named == probable]
     with_more = [k for k in order if probable <= models[k].named]
     of_them = [k for k in order if models[k].named <= probable]  # two may tie in one place
@@ -88,6 +87,22 @@ def likely(compared: Compared, seed: int) -> Named:
                 rivals.setdefault(instead, other)
         names.append(Name(effect, families[family], alike[:_LISTED]))
     return Named(model, names, rivals)
+
+
+def _probable(models: Sequence[Scored], weights: Array, least: float) -> set[str]:
+    """
+    Return the probable families, of models in the order of their weights.
+
+    Several may share a place, and none of them be probable where it is that something is there:
+    that of the likeliest model then stands for them.
+    """
+    probable = {family for family, weight in of_families(models, weights).items()
+                if weight >= least}
+    laws = min((one.laws for one in models if one.named == probable), default=len(probable))
+    more = [k for k, one in enumerate(models) if one.laws > laws and probable < one.named]
+    if more[:1] == [0] and weights[more].sum() >= least:
+        probable |= models[0].named
+    return probable
 
 
 def _as_ideal(evidence: Evidence, model: Scored, other: Scored) -> bool:
