@@ -4,11 +4,14 @@
 """Known extra physics: estimators that compensate an effect find K_e and B_e."""
 
 from functools import lru_cache
+from math import nan
 from typing import Any
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters import build
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.compensation import Compensation
+from contact_estimation.physics.viscoelastic_relaxation import ViscoelasticRelaxation
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
@@ -148,12 +151,20 @@ def test_location_is_where_the_surface_is_known_to_be(name: str, moved: float | 
     t = np.array([s.stamp_ns for s in samples]) * 1e-9
     depth = np.maximum.accumulate([max(s.position, 0.0) for s in samples])
     expected = {
-        'contact_offset': np.full(len(t), -0.0015), 'plastic_set': 0.3 * np.maximum(depth - 0.001, 0.0),
+        'contact_offset': np.full(len(t), -0.0015),
+        'plastic_set': 0.3 * np.maximum(depth - 0.001, 0.0),
         'moving_environment': 0.001 * np.sin(4.0 * np.pi * t + 0.7),
     }[name]
     found = np.array([e.location for e in estimates])
     np.testing.assert_allclose(found[:300], expected[:300], atol=1e-9)  # before the contact
     np.testing.assert_allclose(found[-300:], expected[-300:], atol=2e-5)  # as it has shown
+
+
+def test_a_relaxation_that_is_faster_than_the_samples_is_a_damper() -> None:
+    known = Compensation([ViscoelasticRelaxation(1e5, 1e-4)], 3000.0, 0.3, 500.0)
+    found = [known.take(ContactSample(2 * 10**6 * k, 1e-4 * k, nan, 0.0), 0.0, 0.0)
+             for k in range(200)]
+    assert found[-1].pressing - found[-1].rest == pytest.approx(1e5 * 1e-4 * 0.05, rel=1e-6)
 
 
 def test_nothing_is_learned_at_the_end_of_the_sensor_s_range() -> None:

@@ -8,6 +8,8 @@ from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
 from contact_estimation.estimators.multiple_model.evidence import mixture, Wall
+from contact_estimation.estimators.multiple_model.laws import COLUMNS, ONE
+from contact_estimation.estimators.multiple_model.runs import in_doubt
 from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
@@ -188,7 +190,7 @@ def test_the_band_of_a_stiffness_that_grows_in_a_hold_follows_it(shaken: float) 
         return K * (1.0 + 0.05 * np.clip(t - 3.0, 0.0, 4.0))
 
     samples = contact(lambda d, v, a: stiffness(np.arange(len(d)) / FINE) * d + B * v, 8.0,
-                      shaken=shaken, presses=((0.3, 2.5), (2.8, 7.9)))
+                      shaken=shaken, presses=((0.3, 2.5), (2.8, 7.9)), seed=2)
     posterior, found = WallPosterior(0.0, 2e-3, NO_LAG), []
     for t, f, x, truth in zip(*samples[:3], stiffness(samples.t)):
         posterior.take(t, f, x)
@@ -405,3 +407,65 @@ def test_nothing_that_is_no_measurement_enters(force: float, x: float) -> None:
         posterior.take(2.0 + 2e-3 * k, force, x)
     assert posterior.known == before
     assert (posterior.contact.state, posterior.contact.variance) == (state, variance)
+
+
+# -- what an independent simulator found ----------------------------------------------------------
+
+def test_positions_between_joint_states_have_the_noise_of_joint_states() -> None:
+    draw, found = np.random.default_rng(3), []
+    noise = 2e-5 * draw.standard_normal(4001)
+    for share in (0.0, 0.5):  # where the wrench is stamped between two joint states
+        samples = contact(spring_damper(K, B), 8.0, shaken=0.0, presses=((0.3, 7.8),))
+        x = samples.x + ((1.0 - share) * noise[:-1] + share * noise[1:])[:len(samples.x)]
+        found.append(fed(samples._replace(x=x)).blocks.noise[0] ** 0.5)
+    assert found == pytest.approx([2e-5, 2e-5], rel=0.2)
+
+
+@pytest.mark.parametrize('told', [-1.7e-3, 1.7e-3])
+def test_a_curved_wall_is_found_where_it_is_not_told_to_be(told: float) -> None:
+    def hertz(d: Array, v: Array, a: Array) -> Array:
+        return np.maximum(d, 0.0) ** 1.5 * (5e4 + 2e3 * v)
+
+    samples = contact(hertz, 3.0, depth=0.006, shaken=0.001)
+    known = fed(samples, WallPosterior(told, 2e-3, NO_LAG)).known
+    recent = samples.depth[samples.t > samples.t[-1] - 1.0].mean()
+    assert LAWS[int(np.argmax(known.laws))] == 'hunt_crossley_1.5'
+    assert within(known.stiffness, 5e4 * recent ** 0.5, known.stds_of_depths[0])
+    assert within(known.surface, 0.0, known.surface_std, 3.0) and known.surface_std < 1e-4
+
+
+def test_a_curved_wall_elsewhere_is_another_one() -> None:
+    def hertz(d: Array, v: Array, a: Array) -> Array:
+        return np.maximum(d, 0.0) ** 1.5 * (5e4 + 2e3 * v)
+
+    posterior = WallPosterior(nan, 2e-3, NO_LAG)
+    samples = contact(hertz, 3.0, depth=0.006, shaken=0.001, presses=((0.3, 2.5),))
+    for k, shift in enumerate((0.0, 0.02, -0.01)):
+        moved = samples._replace(t=samples.t + 10.0 * k, x=samples.x + shift)
+        known = fed(moved, posterior).known
+        assert LAWS[int(np.argmax(known.laws))] == 'hunt_crossley_1.5'
+        assert within(known.surface, shift, known.surface_std, 3.0) and known.surface_std < 1e-4
+
+
+def test_a_slow_touch_outside_of_the_known_wall_is_seen() -> None:
+    posterior = fed(contact(spring_damper(18e3, B), 2.0, depth=0.002, noise=1.5, rate=1000.0,
+                            presses=((0.3, 1.5),)))
+    draw, t = np.random.default_rng(2), np.arange(2500) / 1000.0
+    x = -0.008 + 1e-3 * t  # 1 mm/s; the wall is at -7 mm now
+    force = 12e3 * np.maximum(x + 0.007, 0.0) + 1.5 * draw.standard_normal(len(t))
+    states = [posterior.take(10.0 + one, f, at) for one, f, at in zip(t, force, x)]
+    assert states[800] == FREE
+    assert states[-1] == CONTACT  # at 12 standard deviations, 8 of them a second
+
+
+def test_a_step_of_the_force_at_the_surface_is_no_singular_matrix() -> None:
+    gram = np.zeros((COLUMNS, COLUMNS))
+    gram[ONE, ONE] = 100.0  # of a tool at rest at depth 0
+    assert np.isfinite(in_doubt(gram, gram, 0.0, 9.0)).all()
+
+
+def test_what_noise_may_be_is_not_measured() -> None:
+    contact_filter = ContactFilter()
+    contact_filter.start(2.0 * np.random.default_rng(1).standard_normal(20), True)
+    assert contact_filter.measured_std == pytest.approx(2.0, rel=0.5)
+    assert contact_filter.noise_std > 2.0 * contact_filter.measured_std

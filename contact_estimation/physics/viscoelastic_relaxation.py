@@ -1,7 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from math import exp
+from math import exp, expm1
 
 import numpy as np
 
@@ -19,7 +19,9 @@ class ViscoelasticRelaxation(ContactEffect):
     The force relaxes while the depth is held (Maxwell branch).
 
     Out of contact s' = -s / tau: after a release the surface, at d = -s / K_e, comes back slowly,
-    as each branch of `fractional_relaxation` does.
+    as each branch of `fractional_relaxation` does. The integrated states are s, and time and
+    displacement since the last step, with which `settle` advances s exactly along a straight line:
+    a tau far below the step is no trouble.
     """
 
     K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
@@ -28,14 +30,24 @@ class ViscoelasticRelaxation(ContactEffect):
     equation = "F_e -= s, s' = K_1 v - s / tau"
     family = 'relaxation'
     needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
-    states = 1
+    states = 3
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        return state[0]
+        return state[0] if m is np else self._after(*state)
+
+    def _after(self, s: float, elapsed: float, moved: float) -> float:
+        """Return s a time and a displacement later."""
+        if elapsed <= 0.0:
+            return s
+        periods = elapsed / self.tau
+        return exp(-periods) * s - self.K_1 * expm1(-periods) / periods * moved
 
     def state_rates(self, t: float, d: float, v: float, contact: bool, state: State) -> State:
-        driven = self.K_1 * v if contact else 0.0
-        return (driven - state[0] / self.tau,)
+        return 0.0, 1.0, v if contact else 0.0
+
+    def settle(self, d: float, v: float, contact: bool, state: State) -> State:
+        """Advance s by the time and displacement since the last step."""
+        return self._after(*state), 0.0, 0.0
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation stretch by stretch, v straight between samples."""

@@ -41,6 +41,7 @@ class Blocks:
     period_s: of the samples [s]; 0 before it is known
     noise: variance of position [m^2] and measured rate [m^2/s^2]
     short, long, settled, wanted: samples of a short, a long, the longest and the present block
+    last_t: stamp of the last sample [s]
     left: number of rows that the samples before a gap may have, to be set to 0 once they are used
     outliers, missing: forces replaced as outliers; samples missing, from the spacing of the stamps
     """
@@ -48,7 +49,8 @@ class Blocks:
     def __init__(self, position_noise: float) -> None:
         self._least = position_noise * position_noise
         self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
-        self.noise = nan, nan
+        self.noise, self._spread = (nan, nan), ((nan, nan), (nan, nan))
+        self._sparse = 1  # samples from one joint state to the next
         self._since = self._until = nan  # between which the period is measured
         self._selected: tuple[Array, Array, Array, NDArray[np.bool_]]
         self._still = nan  # force since which the position has not changed
@@ -56,7 +58,7 @@ class Blocks:
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a jump of the clock."""
-        self._last_t, self._last_x, self._jumped = -inf, nan, 0
+        self.last_t, self._last_x, self._jumped = -inf, nan, 0
         self._steps = 0
         self.break_off()
 
@@ -67,12 +69,12 @@ class Blocks:
 
     def step(self, t: float, x: float) -> float:
         """Return the time since the last sample [s]; 0 for one that no robot can have sent."""
-        dt, T = t - self._last_t, self.period_s
+        dt, T = t - self.last_t, self.period_s
         moved = x - self._last_x
         if not dt > 0.0 or (
                 (moved > _REACH or moved < -_REACH) and self._jumps(dt, abs(moved))):
             return 0.0
-        self._last_t, self._last_x, self._jumped = t, x, 0
+        self.last_t, self._last_x, self._jumped = t, x, 0
         if T and dt > 1.5 * T:
             self.missing += round(dt / T) - 1 if dt < inf else 0
             if dt > _FILLED * T:
@@ -84,7 +86,7 @@ class Blocks:
 
     def noted(self, t: float, x: float) -> bool:
         """Return whether a sample is the last one that `step` has noted."""
-        return t == self._last_t and x == self._last_x
+        return t == self.last_t and x == self._last_x
 
     def steady(self, t: Array, x: Array) -> tuple[Array, NDArray[np.bool_]]:
         """
@@ -94,7 +96,7 @@ class Blocks:
         """
         with np.errstate(invalid='ignore'):
             dt, moved = (values - np.concatenate([[last], values[:-1]]) for values, last in (
-                (t, self._last_t), (x, self._last_x)))
+                (t, self.last_t), (x, self._last_x)))
             T = self.period_s
             return dt, (dt > 0.5 * T) & (dt < 1.5 * T) & (np.abs(moved) <= _REACH)
 
@@ -155,7 +157,7 @@ class Blocks:
         taught: whether the wall is to be learned from it
         """
         raw, T = self._raw, self.period_s
-        self._until = self._last_t
+        self._until = self.last_t
         if 0.5 * T < dt < 1.5 * T:
             self._steps += 1
         else:
@@ -174,7 +176,7 @@ class Blocks:
         t: stamp of the last one [s]
         samples (N, 6): as of `add`, and whether the wall is to be learned from each
         """
-        self._last_t, self._last_x, self._jumped = t, float(samples[-1, 1]), 0
+        self.last_t, self._last_x, self._jumped = t, float(samples[-1, 1]), 0
         self._until = t
         self._steps += len(samples)
         self._raw.frombytes(samples.tobytes())
@@ -196,7 +198,7 @@ class Blocks:
         buffer[:, :-count] = buffer[:, count:]
         buffer[:, -count:] = new[:, -count:]
         self._filled += count
-        self._learn_noise(buffer[1:3, -min(count + 4, self._filled):], count)
+        self._learn_noise(buffer[1:3, -min(count + 3 * self._sparse + 3, self._filled):], count)
         windows = count // self.smoothing.hop
         full = self._filled >= self.smoothing.length(windows) + 4
         self._measure_period()
@@ -230,20 +232,40 @@ class Blocks:
         rate = (last - first) / (max(count - part, 1) * self.period_s)
         return np.sort(force - K * x, axis=1)[:, count // 2], rate
 
+    def expect_joint_states(self, apart_s: float) -> None:
+        """Say how far joint states are apart, between which the samples are on a line [s]."""
+        if self.period_s:
+            self._sparse = max(round(min(apart_s / self.period_s, self.short)), 1)
+
     def _learn_noise(self, recent: Array, count: int) -> None:
-        """Learn the noise of position and rate from second differences, as that of the force."""
-        if recent.shape[1] < 3:
+        """
+        Learn the noise of position and rate from third differences, in which motion hardly shows.
+
+        On the line from a joint state to the next one, at a share a, noise of variance s^2 is one
+        of (1 - 2 p) s^2, p = a (1 - a), whose neighbours are correlated. Third differences of
+        samples far apart show that, those of neighbours (1 - 3.5 p) s^2; means have s^2. Where
+        several samples are on a line, 1 - 2 p is 2/3 on average, and means have as many times s^2.
+        """
+        apart = self._sparse + 1  # they share no joint state
+        if recent.shape[1] <= 3 * apart:
             return
-        bends = recent[:, 2:] - 2.0 * recent[:, 1:-1] + recent[:, :-2]
-        bends *= bends / 6.0
-        gain, noise = min(count / _NOISE_SAMPLES, 1.0), []
-        for squares, known in zip(bends, self.noise):
-            if known == known:
-                mean = float(np.minimum(squares, 9.0 * known).sum()) / len(squares)
-                known += gain * (mean - known)
-            elif squares[0] == squares[0]:
-                known = float(np.median(squares)) / 0.455
-            noise.append(known)
+        gain, spread = min(count / _NOISE_SAMPLES, 1.0), []
+        for step, before in zip((apart, 1), self._spread):
+            first = recent[:, step:] - recent[:, :-step]
+            third = first[:, 2 * step:] - 2.0 * first[:, step:-step] + first[:, :-2 * step]
+            for squares, known in zip(third * third / 20.0, before):
+                if known == known:
+                    mean = float(np.minimum(squares, 9.0 * known).mean())
+                    known += gain * (mean - known)
+                elif squares[0] == squares[0]:
+                    known = float(np.median(squares)) / 0.455
+                spread.append(known)
+        self._spread = (spread[0], spread[1]), (spread[2], spread[3])
+        if self._sparse > 1:
+            noise = [1.5 * self._sparse * far for far in spread[:2]]
+        else:
+            noise = [far + 4.0 / 3.0 * max(far - near, 0.0)
+                     for far, near in zip(spread[:2], spread[2:])]
         self.noise = max(noise[0], self._least, 1e-20), max(noise[1], 1e-20)
 
     def select(self, windows: int, contact: ContactFilter, later: int = 0) -> bool:

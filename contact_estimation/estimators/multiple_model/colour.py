@@ -26,12 +26,13 @@ class Colour:
     their second differences, as samples show the white noise: neither a level nor a slope, such
     as that of a slow touch, is a part of them.
 
-    excess: variance of means over that of white noise
+    excess, measured: variance of means over that of white noise, COLOURED before any are known;
+    and what of it is measured, 1 before
     waiting: forces of free flight that nothing has been learned from yet [N]
     """
 
     def __init__(self) -> None:
-        self.excess = COLOURED
+        self.excess, self.measured = COLOURED, 1.0
         self.waiting: list[float] = []
         self._scales = [_Scale(size) for size in COLOUR]
 
@@ -41,6 +42,7 @@ class Colour:
             scale.learn(self.waiting, white)
         self.waiting.clear()
         self.excess = max(1.0, *[scale.least for scale in self._scales])
+        self.measured = max([1.0, *(one.least for one in self._scales if one.is_known)])
 
 
 class _Scale:
@@ -55,6 +57,11 @@ class _Scale:
         self.least = _LEAST_SHARE * COLOURED
         self._waiting: list[float] = []  # for their sum
         self._sums: list[float] = []
+
+    @property
+    def is_known(self) -> bool:
+        """Return whether what was expected before any sums is forgotten."""
+        return self._count >= COLOURED
 
     def learn(self, forces: Sequence[float], white: float) -> None:
         """Add samples, of which a whole number of times make a sum."""

@@ -77,6 +77,11 @@ class ContactFilter:
         return sqrt(self.variance)
 
     @property
+    def measured_std(self) -> float:
+        """Return the same as measured, without what is expected before that [N]."""
+        return sqrt(self._noise[0] * self._colour.measured)
+
+    @property
     def threshold(self) -> float:
         """Force at which a contact is seen within a few samples [N]."""
         return max(_SEEN * self.noise_std, self.minimum_force)
@@ -264,7 +269,7 @@ class ContactFilter:
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
             if segment.excludes_wall_near(variance, self.level) or (
-                    place < _TEACHES and segment.stays(variance)):
+                    place < _TEACHES and segment.stays(variance) and not segment.grows):
                 self.set_level(*segment.mean(variance))
                 self.state = FREE
             elif segment.seconds > 2.0 * SEGMENT_S:

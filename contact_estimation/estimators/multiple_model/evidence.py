@@ -3,14 +3,15 @@
 
 """The marginal likelihood of hypotheses on Gram matrices, and what each says of the wall."""
 
+from math import inf
 from typing import Generator, NamedTuple, Sequence
 
 import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
-    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH,
-    OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
+    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT, FORCE_RATE, FRICTION, Ints, MASS, NOISE,
+    OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
@@ -42,12 +43,35 @@ class Hypotheses(NamedTuple):
     std: Array
 
 
+class Place(NamedTuple):
+    """Where a surface may be."""
+
+    # centre, std: x_e and its standard deviation [m]
+    centre: float
+    std: float
+    probability: float
+    unfelt: float = 0.0  # force that the wall may have there already, as felt by a touch [N]
+    # told, told_std: prior that a touch is combined with [m]
+    told: float = 0.0
+    told_std: float = inf
+
+
 def hypotheses(
-    laws: Ints, surfaces: Sequence[tuple[float, float, float]], scale: float
+    laws: Ints, surfaces: Sequence[Place], scale: float, depth: float
 ) -> Hypotheses:
-    """Return each law with each surface (centre, std, weight), the scale of the priors as told."""
-    centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
-    return Hypotheses(np.repeat(laws, len(surfaces)), np.full(len(centre), scale), centre, std)
+    """
+    Return each law with each surface.
+
+    scale: of the priors of K_e [N/m]
+    depth: at which it is K_e [m]: K y^n is a force at depth (force / (K_e depth))^(1/n)
+    """
+    centre, std, _, unfelt, told, told_std = np.tile(np.array(surfaces).T, len(laws))
+    law = np.repeat(laws, len(surfaces))
+    within = np.minimum(unfelt / (scale * depth), 1.0) ** (1.0 / EXPONENT[law])
+    variance = std * std + np.square(depth * within)
+    share = 1.0 / (1.0 + variance / np.square(told_std))
+    return Hypotheses(law, np.full(len(centre), scale), told + share * (centre - told),
+                      np.sqrt(share * variance))
 
 
 class Judged(NamedTuple):
@@ -116,10 +140,14 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
             :, FORCE_RATE, FORCE_RATE]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
-    std[:, 3] = K * np.minimum(what.std, np.where(CURVED[laws], NEAR_DEPTH * scene.depth, np.inf))
-    std[:, 3] = np.sqrt(np.square(std[:, 3]) + scene.level)
+    # A curved law is known near x0 only: its prior is cut off by exp(-s^2 / 2 near).
+    told = np.square(K * what.std) + scene.level
+    near = np.where(CURVED[laws], np.square(K * (NEAR_DEPTH * scene.depth)), np.inf)
+    std[:, 3] = np.sqrt(1.0 / (1.0 / told + 1.0 / near))
     precision = std ** -2.0
     offset = what.centre - scene.x0
+    lost = np.log1p(told / near) + np.square(K * offset) / (told + near)
+    offset = offset / (1.0 + told / near)
     L = np.zeros((count, UNKNOWNS, UNKNOWNS))
     L[:, _DIAGONAL, _DIAGONAL] = precision
     L[:, 0, 3] = L[:, 3, 0] = offset * precision[:, 3]
@@ -130,7 +158,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # they differ by 1e10
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
-    squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1)
+    squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1) + lost
     doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
     row, of_one = np.arange(count), np.maximum(grams[:, ONE, ONE], 1e-30)
     scatter = gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one

@@ -3,7 +3,7 @@
 
 """Inference of a wall: laws, surfaces and changes, weighed by their evidence in blocks."""
 
-from math import inf, nan, sqrt
+from math import exp, hypot, inf, nan, sqrt
 from typing import Iterator
 
 import numpy as np
@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from .blocks import Blocks
 from .constants import (
-    ANYWHERE_M, COMMIT, DAMPING_FLOOR, EXACT_SURFACE_M, LEAST_STIFFNESS, SHIFT, STIFFNESS_FLOOR)
+    ANYWHERE_M, COMMIT, DAMPING_FLOOR, DAMPING_S, DAMPING_STD_S, EXACT_SURFACE_M, LEAST_STIFFNESS,
+    NEAR_DEPTH, SHIFT, STIFFNESS_FLOOR, UNLIKELY)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
-    ACCELERATION, Array, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
+    ACCELERATION, Array, CURVED, DEEP, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS,
+    RATE)
 from .residuals import Residuals
 from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
@@ -26,6 +28,7 @@ from .wall_statistics import Replaced, WallStatistics
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
+_SLOWEST_S = DAMPING_S + 2.0 * DAMPING_STD_S  # B_e / K_e
 _START = 3  # blocks in which the scale of the priors is not known
 
 
@@ -63,6 +66,7 @@ class WallInference:
         # The walls before the first change since the touch, and before that of an outward motion
         # to the end, each with the number of blocks then.
         self._replaced: list[tuple[int, Replaced]] = []
+        self._reported = nan  # depth of the last K_e [m]
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
         # Log odds of each law as last judged before something seems to have changed.
@@ -71,10 +75,7 @@ class WallInference:
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
-        self._look_near(surface, max(std, EXACT_SURFACE_M))
-
-    def _look_near(self, surface: float, std: float) -> None:
-        self._sums.look_near(surface, std)
+        self._sums.look_near(surface, max(std, EXACT_SURFACE_M), self._unfelt, False)
         if not self.rhythm.blocks:
             self._sums.x0 = surface
 
@@ -100,34 +101,67 @@ class WallInference:
 
     # -- blocks -----------------------------------------------------------------------------
 
-    def touch(self, x: float, onset: float) -> None:
+    def touch(self, x: float, onset: float, free_s: float, rate: float) -> None:
         """
         Begin a contact: the wall may be another.
 
         x, onset: where the contact was noticed, and where the force may have begun [m]
+        free_s, rate: time since the last contact [s], and rate of the tool [m/s]
         """
         self.rhythm.touch()
         self._level, self._replaced, self._sums.same = self._contact.level, [], None
         known = self.known
         noise = self._blocks.noise[0]
-        error = EXACT_SURFACE_M + (sqrt(noise) if noise == noise else 0.0)
+        late = rate * hypot(*self.lag.lag)
+        error = EXACT_SURFACE_M + hypot(sqrt(noise) if noise == noise else 0.0, late)
         again = known.valid and not self._was_free_at(onset, known.stiffness)
         self._touched = Touch(0.5 * (x + onset), 0.5 * abs(x - onset) + error, again)
+        outermost = known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
+        elsewhere = not x >= outermost or self._was_free_at(onset, LEAST_STIFFNESS) or (
+            known.valid and self._has_come_back(free_s, onset) and (
+                not again or self._is_far_from_curve(self._touched.place)))
+        other = bool(self.rhythm.blocks) and known.valid and elsewhere
+        if other:
+            self._begin_anew()
         if not self.rhythm.blocks:
             self._sums.x0 = onset  # powers of the depth are right near their reference only
-        if known.surface != known.surface or not self.rhythm.blocks and self._was_free_at(
-                onset, LEAST_STIFFNESS):
-            self._look_near(*self._touched[:2])
-            self.known = known._replace(surface=onset, surface_std=self._touched[1])
-        elif x < known.surface - OUTSIDE * known.surface_std - OUTSIDE_M:  # another wall
-            self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
+            self._sums.look_near(*self._touched[:2], self._unfelt, not elsewhere)
+            if elsewhere:
+                self.known = self.known._replace(
+                    surface=onset, surface_std=ANYWHERE_M if other else self._touched.std)
+
+    def _is_far_from_curve(self, place: float) -> bool:
+        """Return whether a curved law leads, whose columns are of no use from a place on [m]."""
+        sums = self._sums
+        return bool(CURVED[int(np.argmax(self.known.laws))]) and (
+            abs(place - sums.x0) > NEAR_DEPTH * sums.depth)
+
+    def _has_come_back(self, free_s: float, onset: float) -> bool:
+        """Return whether a wall that the tool has left would be felt again at a place [s, m]."""
+        known = self.known
+        left = known.stiffness * (onset - known.surface) * exp(-free_s / _SLOWEST_S)
+        return left < self._unfelt
+
+    def _begin_anew(self) -> None:
+        """Forget a wall that is not the one that is touched, but which laws walls had so far."""
+        self._sums, odds = WallStatistics(nan, ANYWHERE_M), self._sums.odds
+        self._sums.odds = odds
+        self.rhythm = Rhythm(self.rhythm.followed)
+        self.residuals.best = self._of_laws = None
+        self.known = self.known._replace(stiffness_std=nan, damping_std=nan)
+        self._excited_at, self._doubted, self._outward = -1, False, 0
+        self.changes += 1
+
+    @property
+    def _unfelt(self) -> float:
+        """Return the force at a touch that CUSUM may not have seen [N]."""
+        return 2.0 * SHIFT * sqrt(self._contact.variance)
 
     def _was_free_at(self, onset: float, stiffness: float) -> bool:
         """Return whether free flight went deeper into the wall as known than such a one lets."""
         known = self.known
         inside = onset - known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
-        # A force above 2 SHIFT deviations would have been seen.
-        return stiffness * inside > 2.0 * SHIFT * sqrt(self._contact.variance)
+        return stiffness * inside > self._unfelt
 
     def parts_of(self, windows: int, later: int = 0, alarmed: bool = False) -> Iterator[None]:
         """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
@@ -151,7 +185,9 @@ class WallInference:
         due = self.rhythm.is_due(surprise) and not waits
         if self._contact.state == CONTACT:
             blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
-        if due:
+        if not due:
+            self._follow_depth()
+        else:
             yield
             if self.rhythm.blocks <= _START:
                 self._sums.find_scale(self.scene)
@@ -169,7 +205,7 @@ class WallInference:
         yield
         found = surface_of_touch(
             smooth, force, x, smooth.hop / contact.variance, sums.gram, sums.x0,
-            sums.scale, tuple(np.array(sums.surfaces).T))  # type: ignore[arg-type]
+            sums.scale, sums.places_without_touch)
         if found is None:
             return
         yield
@@ -234,7 +270,7 @@ class WallInference:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene, sums = self.scene, self._sums
         self.rhythm.judged()
-        what = hypotheses(np.arange(_LAWS), sums.surfaces, sums.scale)
+        what = hypotheses(np.arange(_LAWS), sums.surfaces, sums.scale, scene.depth)
         moves: NDArray[np.bool_] = what.law >= MOVING
         grams = np.repeat(sums.gram[None], len(moves), axis=0)
         of_law = sums.odds[what.law]
@@ -256,7 +292,8 @@ class WallInference:
             self._of_laws = of_laws
         law = int(np.argmax(self._of_laws[:MOVING]))
         before = yield from sums.runs.before(
-            sums.gram, scene, hypotheses(np.array([law]), sums.surfaces, sums.scale), prior,
+            sums.gram, scene, hypotheses(
+                np.array([law]), sums.surfaces, sums.scale, scene.depth), prior,
             1 if self.rhythm.surprised else LEAST_BLOCKS)
         if before is not None:
             yield
@@ -326,16 +363,33 @@ class WallInference:
         (K, B, delta), spreads = mixture(weights, found)
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
-        surface, surface_std = self.known.surface, self.known.surface_std
+        surface, surface_std = self.known.surface, ANYWHERE_M
         if K_std < SURE * K:  # else nothing is found of it
             surface, surface_std = scene.x0 + delta, sqrt(spreads[2]) + 2e-6
+        self._reported = scene.depth
         self.known = Knowledge(
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            self.residuals.fit,
-            tuple((np.sqrt(POWERS**2 @ of_law * self._sums.scatter) / scene.depth).tolist()))
+            self.residuals.fit, self._varies(of_law))
         if self.known.valid:
             self._sums.rescale(K, B, _SOFTER * self._sums.scale)
+
+    def _varies(self, of_law: Array) -> tuple[float, float]:
+        """Return the relative deviations of K_e and B_e over the depths of late."""
+        K, B = (np.sqrt(POWERS**2 @ of_law * self._sums.scatter) / self._sums.depth).tolist()
+        return K, B
+
+    def _follow_depth(self) -> None:
+        """Publish K_e and B_e of curved laws at the depth of now."""
+        known, of_law = self.known, np.array(self.known.laws)
+        if not known.valid or of_law[CURVED | DEEP].sum() < UNLIKELY:
+            return
+        K, B = ((self._sums.depth / self._reported) ** POWERS @ of_law).tolist()
+        self._reported = self._sums.depth
+        self.known = known._replace(
+            stiffness=K * known.stiffness, damping=B * known.damping,
+            stiffness_std=K * known.stiffness_std, damping_std=B * known.damping_std,
+            varies=self._varies(of_law))
 
     def _follow_surface(self) -> None:
         """Move the reference of the columns to the surface where that is known better."""

@@ -4,7 +4,7 @@
 """The posterior of the wall, sample by sample."""
 
 from itertools import chain, repeat
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Iterator
 
 import numpy as np
@@ -115,7 +115,7 @@ class WallPosterior:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
         self.blocks.restart()
         self._work: Iterator[None] | None = None
-        self._touch_t = nan
+        self._touch_t, self._left_t = nan, -inf
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -243,6 +243,7 @@ class WallPosterior:
     def _leave(self, t: float) -> None:
         """Use what is left of a contact that is over; a short one has no rows but of its touch."""
         blocks = self.blocks
+        self._left_t = blocks.last_t
         windows = blocks.close()
         work = self.wall.parts_of(windows) if windows else iter(())
         lasted = t - self._touch_t
@@ -274,8 +275,11 @@ class WallPosterior:
 
     def _touch(self, t: float, x: float) -> None:
         """Begin a contact: the wall may be another."""
+        blocks = self.blocks
         self._begin_work(None)
-        self.blocks.close()  # nothing is learned from free flight
+        blocks.close()  # nothing is learned from free flight
         self._touch_t = t
-        self.wall.touch(x, self.contact.onset)
-        self.blocks.wanted = 3 * self.blocks.short // 2  # the first whole window is longer
+        course = [*blocks.last(blocks.short)[1].tolist(), x]
+        rate = (x - course[0]) / (len(course) * blocks.period_s)
+        self.wall.touch(x, self.contact.onset, blocks.last_t - self._left_t, rate)
+        blocks.wanted = 3 * blocks.short // 2  # the first whole window is longer

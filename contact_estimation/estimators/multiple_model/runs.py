@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    CHANGES, COMMIT, FADE_S, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
+    CHANGES, COMMIT, EXACT_SURFACE_M, FADE_S, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
 from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
@@ -320,7 +320,7 @@ def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
     to_depth = np.array([[1.0, -delta], [0.0, 1.0]])
     columns = part[:, [ONE, DEPTH]] @ to_depth
     both = to_depth.T @ columns[[ONE, DEPTH]]
-    depth = both[0, 1] / max(both[0, 0], 1e-300)
+    depth = max(both[0, 1] / max(both[0, 0], 1e-300), EXACT_SURFACE_M)
     told = both + np.diag([1.0, depth * depth]) / variance
     return np.asarray(gram - columns @ np.linalg.solve(told, columns.T))
 

@@ -79,8 +79,8 @@ class Segment:
         return explained * (count - 2) > SLOPE_STD * SLOPE_STD * (ff - explained)
 
     def is_line(self, least: float) -> bool:
-        """Return whether a rising line explains half of the sum of f^2, and at least so much."""
-        return self._explained > max(0.5 * self._moments[4], least)
+        """Return whether a rising line is significant, and explains so much of the sum of f^2."""
+        return self.grows and self._explained > least
 
     def stays(self, noise: float) -> bool:
         """Return whether the force scatters like noise of a variance [N^2]."""

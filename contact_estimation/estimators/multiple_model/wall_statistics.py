@@ -3,6 +3,7 @@
 
 """The sufficient statistics of a wall: Gram matrices of its blocks, and scales of the priors."""
 
+from collections import deque
 from math import exp, hypot, inf, log, nan, sqrt
 from typing import NamedTuple, Sequence
 
@@ -11,7 +12,7 @@ import numpy as np
 from .constants import (
     ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, LEAST_STIFFNESS,
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
-from .evidence import Hypotheses, hypotheses, judge, Judged, Scene
+from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .laws import (
     Array, COLUMNS, DEPTH, DRIFTING, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
@@ -31,7 +32,7 @@ class Replaced(NamedTuple):
     x0: float
     gram: Array
     odds: Array
-    surfaces: list[tuple[float, float, float]]
+    surfaces: list[Place]
     scale: float
     seconds: float
     depth: float
@@ -99,42 +100,46 @@ class WallStatistics:
     gram (17, 17): sum of the Gram matrices of all blocks, the older, the less
     walking, runs: the same of walls that move or drift, and since every time of a possible change
     odds: log odds of each law
-    surfaces: where the surface may be: place, its standard deviation [m], probability
+    surfaces: where the surface may be
     x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
     scale, seconds: K_e [N/m] and B_e / K_e [s] for the priors
     same: the wall before the last change where the zero may have stepped instead, else None
     """
 
     def __init__(self, location: float, std: float) -> None:
-        self._told = location
+        self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
         self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
         self.odds = LOG_PRIOR.copy()
-        self.surfaces = [(location, EXACT_SURFACE_M, AS_TOLD), (location, std, NEAR),
-                         (location, ANYWHERE_M, ELSEWHERE)]
+        self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
+                         Place(location, ANYWHERE_M, ELSEWHERE)]
         self.x0 = location if location == location else 0.0
-        self.depth, self.scatter, self._depth_s = 1e-3, 0.0, 0.0
+        self.depth, self.scatter = 1e-3, 0.0
+        self._depths: deque[tuple[float, float, float]] = deque()  # of late: time, place, variance
         self.scale, self.seconds = 1e3, DAMPING_S
         self.same: SameWall | None = None
 
-    def look_near(self, surface: float, std: float) -> None:
-        """Expect the surface at a place [m]."""
-        self.surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
+    def look_near(self, surface: float, std: float, unfelt: float, as_told: bool) -> None:
+        """
+        Expect the surface at a place.
+
+        surface, std: place and its standard deviation [m]
+        unfelt: force that it may have there already [N]
+        as_told: whether it may also be exactly as told
+        """
+        told = self._told if as_told else (0.0, inf)
+        self.surfaces = [*(self.surfaces[:1] if as_told else []), Place(
+            surface, std, NEAR, unfelt, *told), Place(surface, ANYWHERE_M, ELSEWHERE)]
 
     @property
     def place_prior(self) -> Array:
         """Return the log prior of each surface."""
-        return np.log([probability for _, _, probability in self.surfaces])
+        return np.log([one.probability for one in self.surfaces])
 
     def add(self, gram: Array, phi: Array, seconds: float) -> None:
         """Add a block that lasts so long; the older, the less."""
         fade = exp(-seconds / FADE_S)
-        self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
-        depth, gain = max(float(phi[DEPTH].mean()), 1e-5), min(seconds / self._depth_s, 1.0)
-        off = depth - self.depth
-        self.scatter = (1.0 - gain) * (self.scatter + gain * off * off) + gain * float(
-            phi[DEPTH].var())
-        self.depth += gain * off
+        self._note_depth(seconds, phi[DEPTH])
         self.gram *= fade
         self.gram += gram
         if self.same is not None:
@@ -143,6 +148,25 @@ class WallStatistics:
         for one in self.walking:
             one.add(gram, fade, seconds, self.scale)
         self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
+
+    @property
+    def places_without_touch(self) -> tuple[Array, Array, Array]:
+        """Return centre, deviation and weight of each surface as if no touch had been felt."""
+        centre, std, weight, _, told, told_std = np.array(self.surfaces).T
+        is_told = told_std < inf
+        return np.where(is_told, told, centre), np.where(is_told, told_std, std), weight
+
+    def _note_depth(self, seconds: float, depths: Array) -> None:
+        """Take mean and variance of the depth over the last second."""
+        late = self._depths
+        late.append((seconds, self.x0 + float(depths.mean()), float(depths.var())))
+        while sum(one[0] for one in late) - late[0][0] >= _DEPTH_S:
+            late.popleft()
+        weight, place, variance = np.array(late).T
+        weight = weight / weight.sum()
+        mean = float(weight @ place)
+        self.depth = max(mean - self.x0, 1e-5)
+        self.scatter = float(weight @ (variance + np.square(place - mean)))
 
     def move_to(self, surface: float) -> float:
         """Move the reference of the columns to a place [m]; return the mean depth from there."""
@@ -165,11 +189,11 @@ class WallStatistics:
 
     def find_scale(self, scene: Scene) -> None:
         """Find the stiffness that scales the priors of a wall that is not known."""
-        centre, std, prior = np.tile(np.array(self.surfaces).T, len(_SCALES))
-        scales = np.repeat(_SCALES, len(self.surfaces))
-        what = Hypotheses(np.full(len(centre), KELVIN_VOIGT), scales, centre, std)
-        found = judge(np.repeat(self.gram[None], len(centre), axis=0), scene, what)
-        odds = found.evidence + np.log(prior)
+        law = np.array([KELVIN_VOIGT])
+        what = Hypotheses(*(np.concatenate(one) for one in zip(*(
+            hypotheses(law, self.surfaces, scale, scene.depth) for scale in _SCALES))))
+        found = judge(np.repeat(self.gram[None], len(what.law), axis=0), scene, what)
+        odds = found.evidence + np.tile(self.place_prior, len(_SCALES))
         odds[found.theta[:, 0] <= 0.0] = -inf
         K, B = found.theta[int(np.argmax(odds)), :2].tolist()
         self.rescale(K, B, LEAST_STIFFNESS, scene.lag[0])
@@ -208,13 +232,13 @@ class WallStatistics:
                             self.seconds, self.depth, centre - OUTSIDE * std)
         if other:
             law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
-            what = hypotheses(law, self.surfaces, self.scale)
+            what = hypotheses(law, self.surfaces, self.scale, scene.depth)
             judged = judge(np.repeat(before[None], len(self.surfaces), axis=0), scene, what)
             odds = judged.evidence + self.place_prior
             order = np.argsort(-odds)
             self.odds = np.maximum(of_laws - of_laws[law], LOG_PRIOR - _FARTHEST)
             self._doubt(change, best, before, hypotheses(
-                law, [self.surfaces[order[0]]], self.scale))
+                law, [self.surfaces[order[0]]], self.scale, scene.depth))
             if change.as_before[best]:
                 weights = np.exp(odds - odds.max())
                 kept = np.stack([*places(judged, scene), weights / weights.sum()], axis=1)
@@ -234,8 +258,8 @@ class WallStatistics:
         for one in self.walking:
             one.restart(gram, float(self.odds[:MOVING].max()))
         centre, std, _ = kept[0]
-        self.surfaces = [*((at, error, STILL_THERE * p) for at, error, p in kept
-                           if p > UNLIKELY), (centre, max(self.depth, std), ELSEWHERE)]
+        self.surfaces = [*(Place(at, error, STILL_THERE * p) for at, error, p in kept
+                           if p > UNLIKELY), Place(centre, max(self.depth, std), ELSEWHERE)]
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
         """Keep the wall before a change, in case the zero has stepped instead."""

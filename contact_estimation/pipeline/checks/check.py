@@ -142,8 +142,8 @@ class AxisState(NamedTuple):
         return cls(
             surface.location, surface.margin, surface.shift, surface.std, surface.text,
             surface.is_shown, pipeline.contact, posterior.contact.state == NEITHER,
-            posterior.known.valid, pipeline.bias, posterior.contact.noise_std, posterior.period_s,
-            pipeline.estimator is not None, pipeline.model_fit.now.text)
+            posterior.known.valid, pipeline.bias, posterior.contact.measured_std,
+            posterior.period_s, pipeline.estimator is not None, pipeline.model_fit.now.text)
 
 
 @dataclass(frozen=True)

@@ -113,7 +113,7 @@ class EvidenceWindow:
             axis: deque(maxlen=BLOCKS) for axis in self._axes}
         self._others: deque[Array] = deque(maxlen=BLOCKS)
         self._memory: dict[str, dict[str, Any]] = {axis: {} for axis in self._axes}
-        self._joint_rate, self._block_end_ns = nan, 0
+        self.joint_rate, self._block_end_ns = nan, 0
         for pending in self.samples:
             pending.clear()
 
@@ -139,7 +139,7 @@ class EvidenceWindow:
         self._loads.add(self.loads.until(end_ns)[:, 1:])
         joints = len(self.joint_stamps.until(end_ns))
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
-        self._joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
+        self.joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
         return touched
 
     def evidence(
@@ -154,7 +154,7 @@ class EvidenceWindow:
         return Evidence(
             axis, parameters, state, (stamps - begin) * 1e-9, x, v,
             force - bias_of(axis, parameters, state),
-            touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
+            touching > 0.5, self._other_forces(table, stamps, x), self.joint_rate, high - low,
             (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, tuple(self._loads.kept),
             self._memory[axis])
 
@@ -283,6 +283,9 @@ class InputChecks:
             self._stamp_ns = stamp_ns
             if self._window.close_block(stamp_ns):
                 self._quiet = 0  # a touch shows the most
+            if self._window.joint_rate > 0.0:
+                for pipeline in self._pipelines.values():
+                    pipeline.posterior.blocks.expect_joint_states(1.0 / self._window.joint_rate)
             self._blocks += 1
             # The window holds four blocks: each sample is judged at least once.
             if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):

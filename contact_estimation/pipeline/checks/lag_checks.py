@@ -141,7 +141,8 @@ def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | Non
     if abs(skew.seconds) <= limit and skew.sharpness > _SIGNIFICANT:
         seen.memory['more_windows'] = BLOCKS
         return None, ''
-    if not (abs(skew.seconds) > limit and skew.gain > _SIGNIFICANT
+    # A lag that many others would replace is none: it takes the place of what is not modelled.
+    if not (abs(skew.seconds) > limit and min(skew.gain, skew.sharpness) > _SIGNIFICANT
             and skew.excess_gone > _BETTER and skew.over_physics > _OTHER_PHYSICS):
         return None, None
     seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
