@@ -42,8 +42,9 @@ def facts(folder: Path) -> dict[str, Any]:
     model = read_model(str(folder / 'model.yaml'))
     plain = run(PlantParameters(), **FIXED)
     uncompensated, compensated = run(model), run(model, **KNOWN)
+    x = np.array([0.0, 1.0, 0.9, 0.0])
     touched: Any = SimpleNamespace(observed=SimpleNamespace(
-        reference=np.zeros((4, 3)), x=np.array([0.0, 1.0, 0.0])))
+        reference=np.zeros((4, 4)), x=x, force=-x, force_range=1.0))
     return {
         'force': [-min(t.force for t in r.truths) for r in (plain, uncompensated)],
         'toy_estimator': plain.results[-1].estimate.stiffness,
