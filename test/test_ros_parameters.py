@@ -114,7 +114,7 @@ def test_every_changeable_parameter_takes_another_value(peer: Peer) -> None:
 def test_effect_of_several_parameters_is_switched_on_and_off_at_once(peer: Peer) -> None:
     for group in TOGETHER:
         values = switched_on(group.split('.')[1])
-        one = next(iter(values.items()))
+        *_, one = values.items()  # the last: a yield depth is 0 if not given
         assert 'needs all of' in peer.set(dict([one]))[0].reason
         for wanted in (values, dict.fromkeys(values, nan)):
             result = peer.set_together(wanted)
