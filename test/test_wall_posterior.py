@@ -421,11 +421,13 @@ def test_positions_between_joint_states_have_the_noise_of_joint_states() -> None
     assert found == pytest.approx([2e-5, 2e-5], rel=0.2)
 
 
+def hertz(d: Array, v: Array, a: Array) -> Array:
+    """Press a sphere into a wall."""
+    return np.asarray(np.maximum(d, 0.0) ** 1.5 * (5e4 + 2e3 * v))
+
+
 @pytest.mark.parametrize('told', [-1.7e-3, 1.7e-3])
 def test_a_curved_wall_is_found_where_it_is_not_told_to_be(told: float) -> None:
-    def hertz(d: Array, v: Array, a: Array) -> Array:
-        return np.maximum(d, 0.0) ** 1.5 * (5e4 + 2e3 * v)
-
     samples = contact(hertz, 3.0, depth=0.006, shaken=0.001)
     known = fed(samples, WallPosterior(told, 2e-3, NO_LAG)).known
     recent = samples.depth[samples.t > samples.t[-1] - 1.0].mean()
@@ -435,9 +437,6 @@ def test_a_curved_wall_is_found_where_it_is_not_told_to_be(told: float) -> None:
 
 
 def test_a_curved_wall_elsewhere_is_another_one() -> None:
-    def hertz(d: Array, v: Array, a: Array) -> Array:
-        return np.maximum(d, 0.0) ** 1.5 * (5e4 + 2e3 * v)
-
     posterior = WallPosterior(nan, 2e-3, NO_LAG)
     samples = contact(hertz, 3.0, depth=0.006, shaken=0.001, presses=((0.3, 2.5),))
     for k, shift in enumerate((0.0, 0.02, -0.01)):

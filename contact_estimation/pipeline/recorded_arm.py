@@ -280,13 +280,10 @@ def _foreign_axes(
     table: Array, stamps_ns: NDArray[np.int64], parameters: EstimationParameters
 ) -> str:
     """Return what loads (N, 9) say of the axes of the wrench, as on line; '': nothing."""
-    if parameters.wrench_source == JOINT_EFFORTS:
-        return ''
     loads = Loads()
     for block in np.split(table, np.flatnonzero(np.diff(stamps_ns // _BLOCK_NS)) + 1):
         loads.add(block)
-    noise = parameters.contact.force_noise
-    return foreign_axes(loads.kept, noise, parameters.force_sensor.axes) or ''
+    return foreign_axes(loads.kept, parameters.contact.force_noise, parameters) or ''
 
 
 def _hold_where_pressing_most(arm: ContactKinematics, samples: list[ArmSample]) -> None:

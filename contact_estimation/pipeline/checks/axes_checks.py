@@ -9,6 +9,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .check import Array, Check, Evidence, median_of
+from ..parameters import EstimationParameters
 from ...kinematics.parameters import AXES, JOINT_EFFORTS
 from ...kinematics.tool_load import STANDARD_GRAVITY
 from ...signals.stream_faults import CLEAR
@@ -56,20 +57,20 @@ class WrenchAxes(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare how well a weight explains the force in either axes."""
-        if seen.parameters.wrench_source == JOINT_EFFORTS:
-            return None
-        return foreign_axes(seen.loads, seen.noise, seen.parameters.force_sensor.axes)
+        return foreign_axes(seen.loads, seen.noise, seen.parameters)
 
 
-def foreign_axes(loads: Sequence[Array], noise: float, axes: str) -> str | None:
+def foreign_axes(
+    loads: Sequence[Array], noise: float, parameters: EstimationParameters
+) -> str | None:
     """
     Return the warning that the wrench is in other axes; None where the sensor has hardly turned.
 
     loads: as of `Loads.kept`
     noise: of the force [N]
-    axes: in which it is expressed, as configured
+    parameters: all, with the axes in which it should be expressed
     """
-    if len(loads) < _LEAST:
+    if parameters.wrench_source == JOINT_EFFORTS or len(loads) < _LEAST:
         return None
     own, other, gravity = np.array(loads).transpose(1, 0, 2)
     spread = np.sqrt(np.sum(np.var(gravity, axis=0))) / STANDARD_GRAVITY
@@ -83,7 +84,7 @@ def foreign_axes(loads: Sequence[Array], noise: float, axes: str) -> str | None:
     if may_be_zero and not (abs(here.mass) < _FITS * abs(there.mass)
                             and there.constant < _FITS * weight):
         return ''
-    right, = set(AXES) - {axes}
+    right, = set(AXES) - {parameters.force_sensor.axes}
     text = (f'as the sensor turned, the force was that of a weight of {abs(there.mass):.2g} kg in '
             f'axes of the {right}: set force_sensor.axes to {right}, then run calibrate_tool')
     return text + _OR_ZERO * may_be_zero
