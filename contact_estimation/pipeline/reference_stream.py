@@ -101,12 +101,15 @@ class ReferenceStream:
     is found more than `reference.limits.lead` away from x_r after its clock was set back has been
     moved by others: x_r then returns to it at `reference.maximum_velocity` and rests there until
     the planner or a force law asks for something else.
+
+    arrive: begins the samples that one message completes, whose references the robot gets together
     """
 
     def __init__(self, parameters: EstimationParameters, rejected: Counter[str]) -> None:
         self._rejected = rejected
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
         self._time = ExperiencedTime(1.0 / parameters.sample_rate)
+        self.arrive = self._time.arrive
         self._reference: Reference | None = None
         self._configured = self._location = nan  # x_e as configured, and as the limit knows it
         self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_MAX_SETPOINTS)
@@ -150,14 +153,6 @@ class ReferenceStream:
         """Forget where the surface was found, of which the reach depends; x_r goes on."""
         if self._takes_location:
             self._location = self._deepest = nan
-
-    def arrive(self, newest_ns: tuple[int, int]) -> None:
-        """
-        Begin the samples that one message completes, whose references the robot gets together.
-
-        newest_ns: last stamps of wrenches and joint states [ns]
-        """
-        self._time.arrive(newest_ns)
 
     def add(self, stamp_ns: int, desired: Desired) -> None:
         """

@@ -97,7 +97,7 @@ def courses_of(values: NDArray[np.float64], least: float) -> Courses | None:
     """
     Find samples of two sources in one stream.
 
-    In blocks of 16 samples the best division into two levels leaves nearly nothing, as it does for
+    In blocks of 16 samples the division at half of the range leaves nearly nothing, as it does for
     a step; but the levels change at least as often as by chance (Wald and Wolfowitz's number of
     runs), as no signal does that is sampled fast enough.
 
@@ -109,23 +109,20 @@ def courses_of(values: NDArray[np.float64], least: float) -> Courses | None:
     if len(blocks) < _LEAST_BLOCKS:
         return None
     blocks = blocks / np.max(np.abs(blocks))  # squares of huge values are finite
-    ordered = np.sort(blocks, axis=1)
-    sums, k = np.cumsum(ordered, axis=1), np.arange(1, _BLOCK)
-    low, high = sums[:, :-1] / k, (sums[:, -1:] - sums[:, :-1]) / (_BLOCK - k)
-    apart = k * (_BLOCK - k) / _BLOCK * (high - low)**2
-    rows, place = np.arange(len(blocks)), np.argmax(apart, axis=1)
-    total = np.maximum(_BLOCK * np.var(blocks, axis=1), 1e-300)
-    upper = blocks >= ordered[rows, place + 1][:, None]
+    upper = blocks >= 0.5 * (blocks.min(axis=1) + blocks.max(axis=1))[:, None]
     count = np.count_nonzero(upper, axis=1)
     changes = np.count_nonzero(upper[:, 1:] != upper[:, :-1], axis=1)
     by_chance = 2.0 * count * (_BLOCK - count) / _BLOCK
-    two = ((1.0 - apart[rows, place] / total < _WITHIN)
+    above, whole = (blocks * upper).sum(axis=1), blocks.sum(axis=1)
+    low, high = (whole - above) / np.maximum(_BLOCK - count, 1), above / np.maximum(count, 1)
+    total = np.maximum(np.square(blocks).sum(axis=1) - whole * whole / _BLOCK, 1e-300)
+    two = ((1.0 - 0.5 * by_chance * np.square(high - low) / total < _WITHIN)
            & (np.minimum(count, _BLOCK - count) >= _FEWEST))
     if (np.count_nonzero(two) < max(_OF_BLOCKS * len(blocks), 1)
             or changes[two].sum() < by_chance[two].sum() - 3.0 * np.sqrt(by_chance[two].sum())):
         return None
     scale = np.max(np.abs(values))
-    levels = scale * np.array([low, high])[:, rows, place][:, two]
+    levels = scale * np.array([low, high])[:, two]
     if np.median(levels[1] - levels[0]) < 2.0 * _resolution(values):
         return None
     return Courses(*np.median(levels, axis=1).tolist())

@@ -211,26 +211,10 @@ class Blocks:
         known = self._buffer[:2, max(self._buffer.shape[1] - self._filled, 0):]
         return np.concatenate([known, pending], axis=1)[:, -count:]
 
-    def shorts(self, later: Array) -> Array:
-        """
-        Return whole short blocks of a longer one that is not full.
-
-        later (N, 2): force [N] and position [m] of samples to come; without any, the last short
-        block
-        Returns shorts (2, M, short): force and position
-        """
-        kept = (self.pending % self.short if len(later) else self.short) * _SIGNALS
-        before = np.array(self._raw[len(self._raw) - kept:]).reshape(-1, _SIGNALS)[:, :2]
-        both = np.concatenate([before, later]) if len(later) else before
-        return both[:len(both) // self.short * self.short].T.reshape(2, -1, self.short)
-
-    def usual(self, K: float, shorts: Array) -> tuple[Array, Array]:
-        """Return medians of f - K x [N] and, by parts, of the rate [m/s] of short blocks."""
-        force, x = shorts
-        count, part = self.short, -(-self.short // 3)
-        first, last = (np.sort(end, axis=1)[:, part // 2] for end in (x[:, :part], x[:, -part:]))
-        rate = (last - first) / (max(count - part, 1) * self.period_s)
-        return np.sort(force - K * x, axis=1)[:, count // 2], rate
+    def newest(self, count: int) -> tuple[list[float], list[float]]:
+        """Return force [N] and position [m] of the last samples of the present block."""
+        raw = self._raw[len(self._raw) - count * _SIGNALS:]
+        return raw[::_SIGNALS].tolist(), raw[1::_SIGNALS].tolist()
 
     def expect_joint_states(self, apart_s: float) -> None:
         """Say how far joint states are apart, between which the samples are on a line [s]."""
@@ -249,16 +233,18 @@ class Blocks:
         apart = self._sparse + 1  # they share no joint state
         if recent.shape[1] <= 3 * apart:
             return
-        gain, spread = min(count / _NOISE_SAMPLES, 1.0), []
+        gain, spread = min(count / _NOISE_SAMPLES, 1.0), list[float]()
         for step, before in zip((apart, 1), self._spread):
             first = recent[:, step:] - recent[:, :-step]
             third = first[:, 2 * step:] - 2.0 * first[:, step:-step] + first[:, :-2 * step]
-            for squares, known in zip(third * third / 20.0, before):
+            squares = third * third / 20.0
+            most = [[9.0 * before[0]], [9.0 * before[1]]]
+            sums = np.add.reduce(np.minimum(squares, most), axis=1).tolist()
+            for own, known, total in zip(squares, before, sums):
                 if known == known:
-                    mean = float(np.minimum(squares, 9.0 * known).mean())
-                    known += gain * (mean - known)
-                elif squares[0] == squares[0]:
-                    known = float(np.median(squares)) / 0.455
+                    known += gain * (total / len(own) - known)
+                elif own[0] == own[0]:
+                    known = float(np.median(own)) / 0.455
                 spread.append(known)
         self._spread = (spread[0], spread[1]), (spread[2], spread[3])
         if self._sparse > 1:

@@ -26,13 +26,12 @@ class Colour:
     their second differences, as samples show the white noise: neither a level nor a slope, such
     as that of a slow touch, is a part of them.
 
-    excess, measured: variance of means over that of white noise, COLOURED before any are known;
-    and what of it is measured, 1 before
+    excess: variance of means over that of white noise, COLOURED before any are known
     waiting: forces of free flight that nothing has been learned from yet [N]
     """
 
     def __init__(self) -> None:
-        self.excess, self.measured = COLOURED, 1.0
+        self.excess = COLOURED
         self.waiting: list[float] = []
         self._scales = [_Scale(size) for size in COLOUR]
 
@@ -41,8 +40,12 @@ class Colour:
         for scale in self._scales:
             scale.learn(self.waiting, white)
         self.waiting.clear()
-        self.excess = max(1.0, *[scale.least for scale in self._scales])
-        self.measured = max([1.0, *(one.least for one in self._scales if one.is_known)])
+        self.excess = max([1.0, *[scale.least for scale in self._scales]])
+
+    @property
+    def measured(self) -> float:
+        """Return what of the excess is measured, 1 before anything is."""
+        return max([1.0, *[scale.least for scale in self._scales if scale.is_known]])
 
 
 class _Scale:
@@ -65,11 +68,12 @@ class _Scale:
 
     def learn(self, forces: Sequence[float], white: float) -> None:
         """Add samples, of which a whole number of times make a sum."""
-        self._waiting.extend(forces)
-        if len(self._waiting) < self._size:
+        waiting = self._waiting
+        waiting.extend(forces)
+        if len(waiting) < self._size:
             return
-        self._sums = [*self._sums[-2:], sum(self._waiting)]
-        self._waiting.clear()
+        self._sums = [*self._sums[-2:], sum(waiting)]
+        waiting.clear()
         if len(self._sums) == 3:
             self._count = min(self._count + 1.0, NOISE_SAMPLES)
             if white:

@@ -130,7 +130,8 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
-    gram = np.take_along_axis(flat, _FLAT[laws], axis=1).reshape(
+    row = np.arange(count)
+    gram = flat[row[:, None], _FLAT[laws]].reshape(
         count, UNKNOWNS + 1, UNKNOWNS + 1) * (scale[:, :, None] * scale[:, None, :])
     tau = np.where(DEEP[laws], scene.lag[0], 0.0)  # f + tau f' for f
     if scene.lag[0] and tau.any():
@@ -160,7 +161,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1) + lost
     doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
-    row, of_one = np.arange(count), np.maximum(grams[:, ONE, ONE], 1e-30)
+    of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
     scatter = gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one
     return _Normal(scaled, unit, eta, std, squares, doubt * scatter)
 

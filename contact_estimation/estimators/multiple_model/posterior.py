@@ -8,7 +8,6 @@ from math import inf, isfinite, nan
 from typing import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .blocks import Blocks, FIRST
 from .contact import CONTACT, ContactFilter, FREE
@@ -59,7 +58,6 @@ _FEW = 4  # samples that are not worth a run
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
 _PARTS = 14  # at most, of the work on a block
 _DONE = object()
-_NONE: Array = np.zeros((0, 2))
 
 
 class WallPosterior:
@@ -170,7 +168,7 @@ class WallPosterior:
                 yield done + 1, self.take(*ahead.sample(done))
                 done += 1
                 continue
-            end = min(end, done + self._uneventful(table[done:end, :2]))
+            end = min(end, done + self._uneventful(*ahead.part(done, end)[1:]))
             before, outermost = contact.state, self._outermost
             last = done - 1 + contact.take(*ahead.part(done, end), *self.wall.known[4:6])
             if last > done:
@@ -186,15 +184,18 @@ class WallPosterior:
             self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
             yield done, contact.state
 
-    def _uneventful(self, later: Array) -> int:
+    def _uneventful(self, forces: list[float], places: list[float]) -> int:
         """Return the number of samples until a block may end, with the one that may end it."""
-        blocks = self.blocks
+        blocks, short = self.blocks, self.blocks.short
         count = max(blocks.wanted - blocks.pending, 1)
         if self.contact.state == CONTACT and blocks.wanted == blocks.settled:
-            shorts = blocks.shorts(later[:count])
-            alarms = np.flatnonzero(self._alarms(shorts)) if shorts.size else _NONE
-            if len(alarms):
-                count = blocks.short * (int(alarms[0]) + 1) - blocks.pending % blocks.short
+            begun = blocks.pending % short
+            force, x = (before + later[:count] for before, later in zip(
+                blocks.newest(begun), (forces, places)))
+            for end in range(short, len(x) + 1, short):
+                if self.wall.residuals.alarms(self.known, force[end - short:end],
+                                              x[end - short:end]):
+                    return end - begun
         return count
 
     @property
@@ -219,11 +220,9 @@ class WallPosterior:
         if windows:
             self._begin_work(self.wall.parts_of(windows))
         elif taught and blocks.pending and blocks.wanted == blocks.settled and not (
-                blocks.pending % blocks.short) and self._alarms(blocks.shorts(_NONE))[0]:
+                blocks.pending % blocks.short) and self.wall.residuals.alarms(
+                    self.known, *blocks.newest(blocks.short)):
             self._split()
-
-    def _alarms(self, shorts: Array) -> NDArray[np.bool_]:
-        return self.wall.residuals.alarms(self.known, shorts)
 
     def _split(self) -> None:
         """Make a block of its own of the last samples, from which the wall may be another."""

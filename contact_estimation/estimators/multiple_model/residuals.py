@@ -7,7 +7,6 @@ from math import inf, nan, sqrt
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .blocks import Blocks
 from .constants import JITTER_S, MODEL_ERROR, MODEL_ERROR_S
@@ -64,19 +63,22 @@ class Residuals:
                     + self._blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
 
-    def alarms(self, now: Knowledge, shorts: Array) -> NDArray[np.bool_]:
-        """Return which short blocks are not what the wall as known explains."""
+    def alarms(self, now: Knowledge, force: list[float], x: list[float]) -> bool:
+        """Return whether a short block [N, m] is not what the wall as known explains."""
         if not now.valid:
-            return np.zeros(shorts.shape[1], bool)
+            return False
         K, B, T = now.stiffness, now.damping, self._blocks.period_s
-        rest, rate = self._blocks.usual(K, shorts)  # of which outliers are no part
-        off = rest - self._contact.level + K * now.surface - B * rate
-        count, jitter = self._blocks.short, JITTER_S * K * rate
-        error = MODEL_ERROR * shorts[0, :, -1]
+        count = len(x)
+        part = -(-count // 3)
+        middle, rest = part // 2, [f - K * one for f, one in zip(force, x)]
+        travel = sorted(x[-part:])[middle] - sorted(x[:part])[middle]
+        rate = travel / (max(count - part, 1) * T)  # medians: outliers are no part of them
+        off = sorted(rest)[count // 2] - self._contact.level + K * now.surface - B * rate
+        error, jitter = MODEL_ERROR * force[-1], JITTER_S * K * rate
         variance = _OF_MEDIAN / count * (
             self._variance + error * error * (MODEL_ERROR_S / T) + jitter * jitter
             + self._blocks.noise[0] * (K * K + 2.0 * count * (B / (count * T)) ** 2))
-        return np.asarray(off * off > _ALARM * _ALARM * variance)
+        return off * off > _ALARM * _ALARM * variance
 
     def surprise(self, phi: Array, weights: Array, x0: float, early: bool) -> float:
         """

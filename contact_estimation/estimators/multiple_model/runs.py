@@ -3,7 +3,7 @@
 
 """How long blocks are, and the times since which the wall may be another."""
 
-from math import log, nan
+from math import inf, log, nan
 from typing import Generator, NamedTuple
 
 import numpy as np
@@ -179,10 +179,10 @@ class Runs:
 
     def _least_useful(self) -> int:
         """Return the inner run whose neighbours are nearest to each other in their ratio."""
-        ages = np.array(self._seconds) + _YOUNG_S
-        ratio = ages[:-2] / ages[2:]
-        kept = np.array(self._touches[1:-1])[:, 0]
-        return int(np.argmin(np.where(kept == kept, np.inf, ratio)))
+        ages = [age + _YOUNG_S for age in self._seconds]
+        ratios = [inf if touch.place == touch.place else before / after
+                  for before, touch, after in zip(ages, self._touches[1:], ages[2:])]
+        return ratios.index(min(ratios))
 
     def _drop(self, index: int) -> None:
         count = len(self._ages)

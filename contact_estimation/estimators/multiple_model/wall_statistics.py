@@ -158,9 +158,11 @@ class WallStatistics:
 
     def _note_depth(self, seconds: float, depths: Array) -> None:
         """Take mean and variance of the depth over the last second."""
-        late = self._depths
-        late.append((seconds, self.x0 + float(depths.mean()), float(depths.var())))
-        while sum(one[0] for one in late) - late[0][0] >= _DEPTH_S:
+        late, count = self._depths, len(depths)
+        middle = float(np.add.reduce(depths)) / count
+        variance = float(np.add.reduce(np.square(depths - middle))) / count
+        late.append((seconds, self.x0 + middle, variance))
+        while sum([one[0] for one in late]) - late[0][0] >= _DEPTH_S:
             late.popleft()
         weight, place, variance = np.array(late).T
         weight = weight / weight.sum()

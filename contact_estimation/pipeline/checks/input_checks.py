@@ -282,7 +282,7 @@ class InputChecks:
         else:
             self._stamp_ns = stamp_ns
             if self._window.close_block(stamp_ns):
-                self._quiet = 0  # a touch shows the most
+                self._quiet //= 2  # a touch shows the most
             if self._window.joint_rate > 0.0:
                 for pipeline in self._pipelines.values():
                     pipeline.posterior.blocks.expect_joint_states(1.0 / self._window.joint_rate)
