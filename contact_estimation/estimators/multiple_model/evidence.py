@@ -14,6 +14,7 @@ from .laws import (
     OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
+_TIMES: Ints = np.array([dict(zip(OF_RATE, TIMES_RATE))[column] for column in CHOSEN[:, 1]])
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
@@ -94,7 +95,7 @@ class _Normal(NamedTuple):
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
-    blur: Array  # (N,) what the noise of the position may add to the information of K
+    blur: Array  # (N, 2) what the noise of the position may add to the information of K and B
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -126,7 +127,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
-    grams, reliability = _calibrated(grams)
+    grams, reliability, rate = _calibrated(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -135,9 +136,9 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
         count, UNKNOWNS + 1, UNKNOWNS + 1) * (scale[:, :, None] * scale[:, None, :])
     tau = np.where(DEEP[laws], scene.lag[0], 0.0)  # f + tau f' for f
     if scene.lag[0] and tau.any():
-        rate = tau[:, None] * np.take_along_axis(grams[:, FORCE_RATE], chosen, axis=1) * scale
-        gram[:, :UNKNOWNS, UNKNOWNS] += rate[:, :UNKNOWNS]
-        gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * rate[:, UNKNOWNS] + tau * tau * grams[
+        late = tau[:, None] * np.take_along_axis(grams[:, FORCE_RATE], chosen, axis=1) * scale
+        gram[:, :UNKNOWNS, UNKNOWNS] += late[:, :UNKNOWNS]
+        gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * late[:, UNKNOWNS] + tau * tau * grams[
             :, FORCE_RATE, FORCE_RATE]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
@@ -162,13 +163,19 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1) + lost
     doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
     of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
-    scatter = gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one
-    return _Normal(scaled, unit, eta, std, squares, doubt * scatter)
+    times = _TIMES[laws]
+    scatter = np.stack([
+        gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one,
+        gram[:, 1, 1] + scale[:, 1] ** 2 * rate * (
+            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times])], axis=1)
+    return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
-def _calibrated(grams: Array) -> tuple[Array, Array]:
+def _calibrated(grams: Array) -> tuple[Array, Array, Array]:
     """
-    Return Gram matrices with the depth expected at what was measured of it, and its reliability.
+    Return Gram matrices with the depth expected at what was measured of it.
+
+    Returns also the reliability of depth and rate, (N, 2), and the mean rate, (N,).
 
     Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
     would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
@@ -186,7 +193,8 @@ def _calibrated(grams: Array) -> tuple[Array, Array]:
     noise = grams[:, RATE_NOISE, RATE_NOISE]
     of_rate = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
     grams = _towards(grams, OF_RATE, of_rate, rate[:, None], TIMES_RATE)
-    return _towards(grams, OF_DEPTH, reliability, mean, [ONE]), reliability
+    grams = _towards(grams, OF_DEPTH, reliability, mean, [ONE])
+    return grams, np.stack([reliability, of_rate], axis=1), rate
 
 
 def _towards(
@@ -215,8 +223,8 @@ def _solved(equations: _Normal) -> Judged:
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
         P = np.where(sound[:, None, None], P, 0.0)
     if blur.any():
-        moved = P[:, :, 0] * (blur * theta[:, 0])[:, None]  # by another noise of the position
-        P = P + moved[:, :, None] * moved[:, None, :]
+        moved = P[:, :, :2] * (blur * theta[:, :2])[:, None]  # by another noise of the position
+        P = P + moved @ moved.transpose(0, 2, 1)
     return Judged(evidence, theta, P)
 
 
@@ -262,14 +270,20 @@ def joined(weights: Array, found: Wall, share: Array, more: Wall) -> tuple[Array
             Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, more))))
 
 
-def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
-    """Return means and variances of K_e, B_e and x_e - x0 of those hypotheses that count."""
+def mixture(weights: Array, found: Wall) -> Array:
+    """Return means of K_e, B_e and x_e - x0 of those hypotheses that count, shape (3,)."""
+    return np.stack(found[:3]) @ _counting(weights)
+
+
+def spreads(weights: Array, found: Wall, means: Array) -> Array:
+    """Return the mean squares of K_e, B_e and x_e - x0 about means, shape (3,)."""
+    away = np.square(np.stack(found[:3]) - means[:, None])
+    return np.asarray((found.variances + away) @ _counting(weights))
+
+
+def _counting(weights: Array) -> Array:
     weights = np.where(weights > UNLIKELY, weights, 0.0)
-    weights /= weights.sum()
-    values = np.stack(found[:3])
-    means = values @ weights
-    spreads = (found.variances + np.square(values - means[:, None])) @ weights
-    return means.tolist(), spreads.tolist()
+    return np.asarray(weights / weights.sum())
 
 
 def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:

@@ -15,9 +15,10 @@ from .constants import (
     NEAR_DEPTH, SHIFT, STIFFNESS_FLOOR, UNLIKELY)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
-    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
+    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, spreads,
+    walls)
 from .laws import (
-    ACCELERATION, Array, CURVED, DEEP, FORCE, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS,
+    ACCELERATION, Array, CURVED, DEEP, FORCE, IMPARTIAL, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS,
     RATE)
 from .residuals import Residuals
 from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
@@ -349,7 +350,9 @@ class WallInference:
     ) -> None:
         """Publish the mixture of all hypotheses."""
         of_law = weights.reshape(_LAWS, -1).sum(1)
-        found = walls(judged, what.law, scene, ANYWHERE_M)
+        found = every = walls(judged, what.law, scene, ANYWHERE_M)
+        # Walls are seldom curved, but where one may be, its band holds what it would be then.
+        impartial = weights * IMPARTIAL[what.law]
         if change is not None:
             changed = np.append(change.odds, 0.0)
             share = np.exp(changed - np.logaddexp.reduce(changed))[:-1]
@@ -360,15 +363,17 @@ class WallInference:
             same, kept, law = of_same
             weights, found = joined(weights, found, np.array([same]), walls(
                 kept, np.array([law]), scene, ANYWHERE_M))
-        (K, B, delta), spreads = mixture(weights, found)
+        means = mixture(weights, found)
+        variances = np.maximum(spreads(weights, found, means), spreads(impartial, every, means))
+        K, B, delta = means.tolist()
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
-        K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
+        K_std = sqrt(variances[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, ANYWHERE_M
         if K_std < SURE * K:  # else nothing is found of it
-            surface, surface_std = scene.x0 + delta, sqrt(spreads[2]) + 2e-6
+            surface, surface_std = scene.x0 + delta, sqrt(variances[2]) + 2e-6
         self._reported = scene.depth
         self.known = Knowledge(
-            K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
+            K, B, K_std, sqrt(variances[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             self.residuals.fit, self._varies(of_law))
         if self.known.valid:

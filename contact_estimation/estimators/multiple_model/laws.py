@@ -75,6 +75,9 @@ EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
 """Which laws damp with the depth."""
 
+IMPARTIAL: Array = np.where(DEEP, LAWS['kelvin_voigt'].prior / np.exp(LOG_PRIOR), 1.0)
+"""What the probabilities are multiplied by where a wall is as likely to be curved as not."""
+
 CURVED = EXPONENT != 1.0
 """Which laws are linear in a shift of the surface only where it is small beside the depth."""
 
