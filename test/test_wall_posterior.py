@@ -273,7 +273,7 @@ def test_band_holds_the_secants_of_all_recent_depths() -> None:
     posterior = fed(Samples(*(one[samples.t < 2.4] for one in samples)),
                     WallPosterior(0.0, 2e-3, NO_LAG))
     known = posterior.known
-    std, _ = known.stds_of_depths
+    std, _ = known.published_stds
     for depth in np.quantile(samples.depth[pressed], [0.05, 0.5, 0.95]):
         assert within(known.stiffness, K * (depth / 0.008)**0.5, std)
     assert known.stiffness_std < 0.02 * K < std
@@ -355,7 +355,7 @@ def test_cycles_claim_no_slope_that_a_stiffening_wall_never_has() -> None:
         for sample in zip(t.tolist(), (force + 0.05 * draw.standard_normal(len(t))).tolist(),
                           (0.1 + d).tolist()):
             if posterior.take(*sample) == CONTACT and posterior.known.valid:
-                std, _ = posterior.known.stds_of_depths
+                std, _ = posterior.known.published_stds
                 claims += 1
                 false += not least - 2.0 * std <= posterior.known.stiffness <= most + 2.0 * std
         assert false <= 0.03 * claims
@@ -432,7 +432,7 @@ def test_a_curved_wall_is_found_where_it_is_not_told_to_be(told: float) -> None:
     known = fed(samples, WallPosterior(told, 2e-3, NO_LAG)).known
     recent = samples.depth[samples.t > samples.t[-1] - 1.0].mean()
     assert LAWS[int(np.argmax(known.laws))] == 'hunt_crossley_1.5'
-    assert within(known.stiffness, 5e4 * recent ** 0.5, known.stds_of_depths[0])
+    assert within(known.stiffness, 5e4 * recent ** 0.5, known.published_stds[0])
     assert within(known.surface, 0.0, known.surface_std, 3.0) and known.surface_std < 1e-4
 
 

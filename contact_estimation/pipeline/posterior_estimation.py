@@ -96,4 +96,4 @@ class PosteriorEstimation:
         low, high, most = self._limits
         return ParameterEstimate(
             min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
-            *now.stds_of_depths, 0.0, now.inertia)
+            *now.published_stds, 0.0, now.inertia)

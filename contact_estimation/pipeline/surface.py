@@ -44,7 +44,8 @@ class Surface:
         found = self._touch.take(state, x, v, pressing, contact.level, dt, contact.noise_std)
         if found is not None:
             self.location = self._compensation.nominal(found[0])
-            self._posterior.expect(self.location, found[1])
+            if self._compensation.acts:  # else the posterior knows it better, for any law
+                self._posterior.expect(self.location, found[1])
 
     @property
     def shift(self) -> float:

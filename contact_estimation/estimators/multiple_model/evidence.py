@@ -270,20 +270,14 @@ def joined(weights: Array, found: Wall, share: Array, more: Wall) -> tuple[Array
             Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, more))))
 
 
-def mixture(weights: Array, found: Wall) -> Array:
-    """Return means of K_e, B_e and x_e - x0 of those hypotheses that count, shape (3,)."""
-    return np.stack(found[:3]) @ _counting(weights)
-
-
-def spreads(weights: Array, found: Wall, means: Array) -> Array:
-    """Return the mean squares of K_e, B_e and x_e - x0 about means, shape (3,)."""
-    away = np.square(np.stack(found[:3]) - means[:, None])
-    return np.asarray((found.variances + away) @ _counting(weights))
-
-
-def _counting(weights: Array) -> Array:
+def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
+    """Return means and variances of K_e, B_e and x_e - x0 of those hypotheses that count."""
     weights = np.where(weights > UNLIKELY, weights, 0.0)
-    return np.asarray(weights / weights.sum())
+    weights /= weights.sum()
+    values = np.stack(found[:3])
+    means = values @ weights
+    spreads = (found.variances + np.square(values - means[:, None])) @ weights
+    return means.tolist(), spreads.tolist()
 
 
 def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:

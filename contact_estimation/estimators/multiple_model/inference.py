@@ -15,11 +15,10 @@ from .constants import (
     NEAR_DEPTH, SHIFT, STIFFNESS_FLOOR, UNLIKELY)
 from .contact import CONTACT, ContactFilter
 from .evidence import (
-    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, spreads,
-    walls)
+    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
-    ACCELERATION, Array, CURVED, DEEP, FORCE, IMPARTIAL, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS,
-    RATE)
+    ACCELERATION, Array, CURVED, DEEP, FORCE, IMPARTIAL, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING,
+    NAMES, POWERS, RATE)
 from .residuals import Residuals
 from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
@@ -68,6 +67,7 @@ class WallInference:
         # to the end, each with the number of blocks then.
         self._replaced: list[tuple[int, Replaced]] = []
         self._reported = nan  # depth of the last K_e [m]
+        self._curved: tuple[float, ...] = 0.0, 0.0  # relative variances if it may be curved
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
         # Log odds of each law as last judged before something seems to have changed.
@@ -363,25 +363,29 @@ class WallInference:
             same, kept, law = of_same
             weights, found = joined(weights, found, np.array([same]), walls(
                 kept, np.array([law]), scene, ANYWHERE_M))
-        means = mixture(weights, found)
-        variances = np.maximum(spreads(weights, found, means), spreads(impartial, every, means))
-        K, B, delta = means.tolist()
+        (K, B, delta), spreads = mixture(weights, found)
+        (K_else, B_else, _), others = mixture(impartial, every)
+        self._curved = tuple(
+            max(other + (there - here) ** 2 - own, 0.0) / max(here * here, 1e-18)
+            for here, there, own, other in ((K, K_else, spreads[0], others[0]),
+                                            (B, B_else, spreads[1], others[1])))
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
-        K_std = sqrt(variances[0] + (STIFFNESS_FLOOR * K) ** 2)
+        K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, ANYWHERE_M
         if K_std < SURE * K:  # else nothing is found of it
-            surface, surface_std = scene.x0 + delta, sqrt(variances[2]) + 2e-6
+            surface, surface_std = scene.x0 + delta, sqrt(spreads[2]) + 2e-6
         self._reported = scene.depth
         self.known = Knowledge(
-            K, B, K_std, sqrt(variances[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
+            K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             self.residuals.fit, self._varies(of_law))
         if self.known.valid:
             self._sums.rescale(K, B, _SOFTER * self._sums.scale)
 
     def _varies(self, of_law: Array) -> tuple[float, float]:
-        """Return the relative deviations of K_e and B_e over the depths of late."""
-        K, B = (np.sqrt(POWERS**2 @ of_law * self._sums.scatter) / self._sums.depth).tolist()
+        """Return by how much more K_e and B_e deviate; see `Knowledge.varies`."""
+        scatter = POWERS**2 @ of_law * (self._sums.scatter / self._sums.depth**2)
+        K, B = np.sqrt(scatter + self._curved).tolist()
         return K, B
 
     def _follow_depth(self) -> None:

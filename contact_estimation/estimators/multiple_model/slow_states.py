@@ -35,7 +35,8 @@ class Knowledge(NamedTuple):
     laws: tuple[float, ...]  # probabilities, in the order of `laws.NAMES`
     # rms of the residual over that of the noise, in the last 2 s of contact; NaN before
     fit: float
-    # relative deviations of K_e and B_e over the depths of the last second, with which they grow
+    # relative deviations of K_e and B_e beside these: over the depths of the last second, and of a
+    # wall that is as likely to be curved as not
     varies: tuple[float, float] = (0.0, 0.0)
 
     @property
@@ -44,8 +45,8 @@ class Knowledge(NamedTuple):
         return self.stiffness_std < SURE * self.stiffness
 
     @property
-    def stds_of_depths(self) -> tuple[float, float]:
-        """Return the deviations of K_e and B_e, with how they differ at the depths of late."""
+    def published_stds(self) -> tuple[float, float]:
+        """Return the deviations of K_e and B_e to be published, with what they vary by."""
         return (hypot(self.stiffness_std, self.varies[0] * self.stiffness),
                 hypot(self.damping_std, self.varies[1] * self.damping))
 
