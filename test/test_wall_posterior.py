@@ -171,6 +171,26 @@ def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
         assert within(stiffness, K, max(std, 0.002 * K), 3.0)
 
 
+@pytest.mark.parametrize('told', [-0.0065, -0.004])
+def test_a_force_at_rest_near_a_wall_as_told_is_no_contact(told: float) -> None:
+    samples = contact(spring_damper(K, B))
+    known = fed(samples._replace(force=samples.force + 6.0), WallPosterior(told, 2e-3)).known
+    assert within(known.stiffness, K, known.stiffness_std)
+    assert known.stiffness_std < 0.01 * K
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_a_slow_press_on_a_wall_that_may_be_curved_has_a_band_that_holds_it(seed: int) -> None:
+    t, v = np.arange(0.0, 4.0, 2e-3), 2.5e-3
+    depth = np.minimum(v * t - 1.5e-3, 3.5e-3)
+    rising = K * depth + 4e4 * depth * v * (depth < 3.5e-3)  # the damping of a spring alike
+    draw = np.random.default_rng(seed)
+    known = fed(Samples(
+        t, np.maximum(rising, 0.0) + 0.2 * draw.standard_normal(len(t)),
+        depth + 3e-6 * draw.standard_normal(len(t)), depth), WallPosterior(2e-3, 2e-3)).known
+    assert within(known.stiffness, K, known.published_stds[0])
+
+
 @pytest.mark.parametrize('step, at', [(5.0, 3.6), (2.0, 4.0)])
 def test_a_step_of_the_zero_in_a_contact_is_forgotten_after_it(step: float, at: float) -> None:
     for stiffness, std in believed(step, at, 0.0, since=5.0):

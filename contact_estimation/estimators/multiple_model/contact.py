@@ -168,7 +168,7 @@ class ContactFilter:
             up, down = up + z - SHIFT, down - z - SHIFT
             up, down = up if up > 0.0 else 0.0, down if down > 0.0 else 0.0
             if up > TOUCH - place and pressing > self.minimum_force:
-                still = place <= 0.0 and (x - onset) * STIFFEST < pressing
+                still = place < _FAR_INSIDE and (x - onset) * STIFFEST < pressing
                 self.state = NEITHER if still or place <= _FAR_OUTSIDE else CONTACT
                 self._look_s = _LOOK_S if place <= 0.0 else SEGMENT_S
                 break
