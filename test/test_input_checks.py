@@ -9,6 +9,9 @@ from typing import Any, Callable, Sequence
 
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.checks import lag_checks
+from contact_estimation.pipeline.checks.check import AxisState, Evidence
 from contact_estimation.pipeline.checks.input_checks import CHECKS
 from contact_estimation.pipeline.checks.rejections import REJECTIONS
 from contact_estimation.pipeline.events import (
@@ -246,3 +249,14 @@ def test_skew_after_a_long_free_flight_is_reported_within_2_s_of_contact() -> No
     session, _ = fed([*flight, *later], wrench_late_ms=10)
     touch_ns = next(one.stamp_ns for one in later if one.force < -4.0) + 1000 * MILLISECOND
     assert session.checks.found['stamp_skew', 'x'].first_ns - touch_ns < 2000 * MILLISECOND
+
+
+@pytest.mark.parametrize('law, told', [('friction', False), ('kelvin_voigt', True), ('', True)])
+def test_no_skew_is_told_where_a_law_with_hysteresis_leaves_only_noise(
+    law: str, told: bool, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    skew = lag_checks._Skew(0.05, 100.0, 100.0, 100.0, 100.0, 0.0, 0.9)
+    monkeypatch.setattr(lag_checks, '_skew_of', lambda seen: skew)
+    state = AxisState.of(EstimationPipeline())._replace(valid=True, law=law)
+    seen = Evidence.of_state('x', EstimationParameters(), state)
+    assert bool(lag_checks.StampSkew().judge(seen)) is told

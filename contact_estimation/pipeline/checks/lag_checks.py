@@ -38,6 +38,9 @@ _LEAST_CONTACT = 100  # samples
 _LEAST_MEANS = 20
 _WHITE = 1.05  # variance of the residual over the white noise's: above, a lag may be in it
 _NEIGHBOUR = 20.0  # likelihood ratio of a lag of 10 ms over none, from which one is searched too
+_NO_LAG = 'friction', 'hunt_crossley_1', 'hunt_crossley_1.5', 'hunt_crossley_2'
+"""Laws whose hysteresis a lag does not have: where one leaves no more than noise, it is none."""
+
 _NO_LAG_S = 5e-4  # half of the finest step
 
 
@@ -135,6 +138,8 @@ def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | Non
     """
     if skew is None:
         return None, None
+    if seen.state.law in _NO_LAG and seen.state.valid:
+        return None, ''
     # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
     sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
     limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
