@@ -18,6 +18,7 @@ FREE, CONTACT, NEITHER = 0, 1, 2
 _PRESSES = 2.0  # standard deviations below which no force is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _TEACHES = 0.5  # log odds of contact at a place, below which free flight teaches the level
+_UNTARED = 2.0  # the same of a place below which a force from the first sample on is none
 _LOOK_S = 0.06  # between looks at whether a touch was one
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
@@ -43,6 +44,7 @@ class ContactFilter:
         self.follows_level = True
         self.state = FREE
         self.level = self.level_variance = self._up = self._down = 0.0
+        self._untared = 0.0  # log odds of contact at a place, below which a force at rest is none
         self.onset = nan  # where a force above the level was first seen of late [m]
         self._noise = self._least, 0.0, 0.0, 0, 1  # variance, last forces, equal ones, learned
         self._segment, self._rise = Segment(), Segment()
@@ -65,6 +67,7 @@ class ContactFilter:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
         else:  # a zero that is off by less is no sign of a touch
             self.set_level(0.0, SHIFT * SHIFT * self.variance)
+            self._untared = _UNTARED
 
     @property
     def variance(self) -> float:
@@ -167,8 +170,10 @@ class ContactFilter:
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
             up, down = up + z - SHIFT, down - z - SHIFT
             up, down = up if up > 0.0 else 0.0, down if down > 0.0 else 0.0
+            if up == 0.0:
+                self._untared = 0.0  # there was free flight before any force
             if up > TOUCH - place and pressing > self.minimum_force:
-                still = place < _FAR_INSIDE and (x - onset) * STIFFEST < pressing
+                still = place <= self._untared and (x - onset) * STIFFEST < pressing
                 self.state = NEITHER if still or place <= _FAR_OUTSIDE else CONTACT
                 self._look_s = _LOOK_S if place <= 0.0 else SEGMENT_S
                 break
