@@ -179,6 +179,28 @@ def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
     assert found['wrench.force.x'].tolist() == [2.0, 3.0]
 
 
+def test_a_column_in_another_unit_is_another_signal(tmp_path: Path) -> None:
+    text = 't,Force (V),Force (kN),x\n0.0,7,1,0\n0.1,7,2,1\n'
+    (tmp_path / 'a.csv').write_text(text)
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1e3, 2e3]
+    chosen = {'wrench.force.x': 'Force (V)'}
+    with pytest.raises(ce.ContactEstimationError, match=r"in a unit of wrench.force.x.* got 'V'"):
+        ce.read_table(tmp_path / 'a.csv', columns=chosen)
+    known = ce.read_table(tmp_path / 'a.csv', columns=chosen, units=('N',))
+    assert known['wrench.force.x'].tolist() == [7.0, 7.0]
+
+
+def test_text_of_any_ending_is_a_table(tmp_path: Path) -> None:
+    (tmp_path / 'run.tab').write_text(
+        'gel\tgel\tgel\t\nForce\tDistance\tTime\t\ng\tmm\tsec\t\n\t\n1\t2\t0\t\n3\t4\t.1\t\n')
+    signals = ce.read_table(tmp_path / 'run.tab')
+    np.testing.assert_allclose(signals['wrench.force.x'], [9.80665e-3, 3 * 9.80665e-3])
+    np.testing.assert_allclose(signals['joint.x'], [2e-3, 4e-3])
+    (tmp_path / 'run.png').write_bytes(b'\x89PNG\r\n\x1a\n\0\0')
+    with pytest.raises(ce.ContactEstimationError, match='is no MCAP file'):
+        ce.read_table(tmp_path / 'run.png')
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n0.1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
@@ -344,6 +366,29 @@ def test_a_sign_of_a_table_is_changed_by_its_column(
     assert refused.err.count('set force_sign') == 1
     assert not Command('replay', replay, capfd)(
         tmp_path / 'a.csv', '--columns', 'wrench.force.x=-F').code
+
+
+def test_contact_of_the_wrong_sign_is_no_offset(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    signals = ce.read_table(recording)
+    rows = np.column_stack([signals['t'], -signals['wrench.force.x'], signals['joint.contact_x']])
+    np.savetxt(tmp_path / 'a.csv', rows, delimiter=',', header='t,F,x', comments='')
+    (tmp_path / 'a.yaml').write_text(
+        'estimator_node: {ros__parameters: {environment: {location: .nan}}}')
+    said = Command('replay', replay, capfd)(
+        tmp_path / 'a.csv', '--params', tmp_path / 'a.yaml').err
+    assert 'force_sign' in said and 'tare' not in said
+
+
+def test_columns_and_units_need_a_table(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for option in (('--columns', 't=time'), ('--units', 'mm')):
+        said = Command('replay', replay, capfd).refusal(recording, *option)
+        assert f'{option[0]} is for tables' in said
+    with pytest.raises(ce.ContactEstimationError, match='--units is for tables'):
+        ce.read_table(recording, units=('mm',))
 
 
 @pytest.mark.slow
