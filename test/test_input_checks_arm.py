@@ -78,7 +78,8 @@ def test_a_weight_that_turns_with_other_axes_is_the_headline(
     inputs = MessageInputs(session)
     for k in range(1200):
         q, force = swung(k, mass, zero, measured_in)
-        inputs.process_motion(joint_state_bytes(JOINTS, q, stamp_ns=10**9 + 5_000_000 * k))
+        inputs.process_motion(joint_state_bytes(
+            JOINTS, q.tolist(), stamp_ns=10**9 + 5_000_000 * k))
         inputs.process_wrench(wrench_bytes(
             force.tolist(), [0.0] * 3, stamp_ns=10**9 + 5_000_000 * k, frame_id='sensor'))
     first, *_ = [*session.checks.warnings(), None]
