@@ -109,6 +109,15 @@ def instants(contact_s: float = 1.5) -> tuple[Instant, ...]:
     return tuple(found)
 
 
+def swung(k: int, mass: float, zero: Sequence[float], axes: str) -> tuple[Array, Array]:
+    """Return the joints of an arm that swings in free flight, and the force measured [N]."""
+    amplitude, phase = np.array([0.8, 0.5, 1.2]), np.array([0.0, 1.0, 2.0])
+    q: Array = START + amplitude * np.sin(0.01 * k * (1.0 + 0.3 * phase) + phase)
+    weight = pose(tuple(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665 * mass]
+    force = weight + zero + np.random.default_rng(k).normal(0.0, 0.3, 3)
+    return q, force if axes == 'sensor' else pose(tuple(q), 'sensor')[:3, :3] @ force
+
+
 @lru_cache(maxsize=None)
 def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]]:
     """

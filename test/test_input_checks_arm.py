@@ -8,7 +8,7 @@ from math import degrees, inf, nan
 from types import SimpleNamespace
 from typing import Any, Mapping
 
-from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, pose, START, urdf
+from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, swung, urdf
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
 from contact_estimation.pipeline.checks.check import AxisState, Evidence, Forces
@@ -75,15 +75,11 @@ def test_a_weight_that_turns_with_other_axes_is_the_headline(
         'sample_rate': 200.0,
         'estimator': 'multiple_model'}))
     session.describe(urdf())
-    inputs, rng = MessageInputs(session), np.random.default_rng(0)
-    amplitude, phase = np.array([0.8, 0.5, 1.2]), np.array([0.0, 1.0, 2.0])
+    inputs = MessageInputs(session)
     for k in range(1200):
-        q = START + amplitude * np.sin(0.01 * k * (1.0 + 0.3 * phase) + phase)
-        R = pose(tuple(q), 'sensor', 'world')[:3, :3]
-        force = R.T @ [0.0, 0.0, -9.80665 * mass] + zero + rng.normal(0.0, 0.3, 3)
-        if measured_in == 'base':
-            force = pose(tuple(q), 'sensor')[:3, :3] @ force
-        inputs.process_motion(joint_state_bytes(JOINTS, q, stamp_ns=10**9 + 5_000_000 * k))
+        q, force = swung(k, mass, zero, measured_in)
+        inputs.process_motion(joint_state_bytes(
+            JOINTS, q.tolist(), stamp_ns=10**9 + 5_000_000 * k))
         inputs.process_wrench(wrench_bytes(
             force.tolist(), [0.0] * 3, stamp_ns=10**9 + 5_000_000 * k, frame_id='sensor'))
     first, *_ = [*session.checks.warnings(), None]

@@ -3,14 +3,17 @@
 
 """What the estimator node says of itself: log, diagnostics, latched status, quality of service."""
 
+from itertools import count, islice
 from pathlib import Path
 import signal
 from typing import Any, Iterator
 
+from arm_contact import JOINTS, PARAMETERS, swung, urdf
 from core_runs import contact_samples
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from ros_messages import DiagnosticStatus, joint_state, moved, String, wrench
+from ros_messages import (
+    DiagnosticStatus, joint_state, JointState, moved, String, to_stamp, wrench, WrenchStamped)
 from ros_peer import Peer
 from ros_processes import node_process
 
@@ -67,13 +70,39 @@ def test_headline_says_why_no_sample_can_be_used(
     make_joint: Any,
 ) -> None:
     with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, **parameters):
-        stamps = iter(range(10**15, 2 * 10**15, 2_000_000))
+        stamps = count(10**15, 2_000_000)
 
         def told() -> bool:
-            stamp = next(stamps)
-            peer.joints.publish(make_joint(stamp))
-            peer.wrenches.publish(make_wrench(stamp))
+            for stamp in islice(stamps, 10):
+                peer.joints.publish(make_joint(stamp))
+                peer.wrenches.publish(make_wrench(stamp))
             return any(text in status.message for message in peer.heard['diagnostics'].values()
                        for status in message.status)
 
         peer.spin_until(told, f'a headline with {text}')
+
+
+def test_wrench_in_axes_of_the_base_is_the_headline(tmp_path: Path, peer: Peer) -> None:
+    pytest.importorskip('pinocchio')
+    (tmp_path / 'arm.urdf').write_text(urdf())
+    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
+    with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, **{
+            **named, 'tool__mass': 0.0, 'sample_rate': 200.0,
+            'robot_description_file': str(tmp_path / 'arm.urdf')}):
+        numbers = count()
+
+        def told() -> bool:
+            for k in islice(numbers, 10):
+                q, force = swung(k, 1.2, (1.0, -2.0, 3.0), 'base')
+                joints, measured = JointState(name=JOINTS, position=q), WrenchStamped()
+                measured.header.frame_id = 'sensor'
+                joints.header.stamp = measured.header.stamp = to_stamp(10**15 + 5_000_000 * k)
+                own = measured.wrench.force
+                own.x, own.y, own.z = force.tolist()
+                peer.joints.publish(joints)
+                peer.wrenches.publish(measured)
+            return any('set force_sensor.axes to base' in status.message
+                       for message in peer.heard['diagnostics'].values()
+                       for status in message.status)
+
+        peer.spin_until(told, 'the headline')

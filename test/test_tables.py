@@ -1,36 +1,28 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
+"""Tables are read as recordings: columns by name or chosen, in SI units."""
 
 from datetime import time
 from decimal import Decimal
-import os
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
 import contact_estimation as ce
-from contact_estimation.commands.convert import main as convert
-from contact_estimation.commands.replay import main as replay
-from contact_estimation.plant.simulation import simulate_experiment, write_simulation
 from contact_estimation.recordings.columns import signals_of_columns
 from contact_estimation.recordings.table_file import read_columns
 import numpy as np
 import pytest
-from run_commands import Command
 from scipy.io import savemat
 
 ROWS = '0.0,1.5,0.1\n0.1,2.5,0.2\n'
 
 
-@pytest.fixture(scope='module')
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a simulated recording of two touches."""
-    path = tmp_path_factory.mktemp('tables') / 'run.mcap'
-    simulation = simulate_experiment(ce.PlantParameters(), ce.experiment_named('sine'))
-    write_simulation(path, simulation, 'x', 'contact_x', 'tool')
-    return path
+def read(folder: Path, text: str, **options: Any) -> dict[str, Any]:
+    """Write a text as CSV and read it."""
+    (folder / 'a.csv').write_text(text)
+    return ce.read_table(folder / 'a.csv', **options)
 
 
 @pytest.mark.parametrize('header, keys', [
@@ -100,15 +92,14 @@ def test_text_of_any_habit_is_read(tmp_path: Path, text: str, encoding: str) -> 
     't,F,x\n"0.0","1,500.5","0.1"\n"0.1","1,000","0.2"\n',
     't;F;x\n0,0;1.500,5;0,1\n0,1;1000;0,2\n', 't F x\n0.0 1,500.5 0.1\n0.1 1000 0.2\n'])
 def test_thousands_may_be_separated(tmp_path: Path, text: str) -> None:
-    (tmp_path / 'a.csv').write_text(text)
-    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1500.5, 1000.0]
+    assert read(tmp_path, text)['wrench.force.x'].tolist() == [1500.5, 1000.0]
 
 
 @pytest.mark.parametrize('number, value', [
     ('\u22121,5', -1.5), ('1 500,25', 1500.25), ('1.500,25', 1500.25), ("1'500", 1500.0)])
 def test_numbers_of_typesetters_are_read(tmp_path: Path, number: str, value: float) -> None:
-    (tmp_path / 'a.csv').write_text(f't;F;x\n0,0;{number};0,1\n0,1;0,5;0,2\n')
-    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [value, 0.5]
+    found = read(tmp_path, f't;F;x\n0,0;{number};0,1\n0,1;0,5;0,2\n')
+    assert found['wrench.force.x'].tolist() == [value, 0.5]
 
 
 @pytest.mark.parametrize('header, units', [
@@ -116,8 +107,7 @@ def test_numbers_of_typesetters_are_read(tmp_path: Path, number: str, value: flo
 def test_case_tells_a_nanometre_from_a_newton_metre(
     tmp_path: Path, header: str, units: tuple[str, ...]
 ) -> None:
-    (tmp_path / 'a.csv').write_text(f'{header}\n0,1,5,3\n0.1,2,6,4\n')
-    found = ce.read_table(tmp_path / 'a.csv', units=units)
+    found = read(tmp_path, f'{header}\n0,1,5,3\n0.1,2,6,4\n', units=units)
     np.testing.assert_allclose(found['wrench.force.z'], [1e-9, 2e-9])
     np.testing.assert_allclose(found['joint.z'], [5e-9, 6e-9])
     np.testing.assert_allclose(found['wrench.torque.z'], [3.0, 4.0])
@@ -125,8 +115,7 @@ def test_case_tells_a_nanometre_from_a_newton_metre(
 
 def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
     rows = ''.join(f'{k};0;0\n' for k in range(300))
-    (tmp_path / 'a.csv').write_text(f't_ms;F;x\n{rows}300;-0,125;0,5\n')
-    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'][-1] == -0.125
+    assert read(tmp_path, f't_ms;F;x\n{rows}300;-0,125;0,5\n')['wrench.force.x'][-1] == -0.125
 
 
 @pytest.mark.parametrize('names, units', [
@@ -151,9 +140,8 @@ def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
 
 
 def test_scale_and_counter_of_a_bench_have_units(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text(
-        'Millis,Travel (mm),Force raw,Scale (grams)\n100,1.0,7,500\n133,2.0,8,1000\n')
-    found = ce.read_table(tmp_path / 'a.csv', columns={'wrench.force.x': '-4'})
+    text = 'Millis,Travel (mm),Force raw,Scale (grams)\n100,1.0,7,500\n133,2.0,8,1000\n'
+    found = read(tmp_path, text, columns={'wrench.force.x': '-4'})
     assert found['t_ns'].tolist() == [100_000_000, 133_000_000]
     assert found['joint.x'].tolist() == [1e-3, 2e-3]
     assert found['wrench.force.x'] == pytest.approx([-4.903325, -9.80665])
@@ -172,24 +160,37 @@ def test_settings_of_a_machine_are_no_names_and_a_chosen_column_no_other_signal(
 
 
 def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n')
-    found = ce.read_table(tmp_path / 'a.csv', columns={
+    found = read(tmp_path, 'Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n', columns={
         't': 'Clock', 'joint.x': '-Way', 'wrench.force.x': 'Push [N]'})
     assert found['joint.x'].tolist() == [-1e-3, -2e-3]
     assert found['wrench.force.x'].tolist() == [2.0, 3.0]
 
 
+def test_a_column_in_another_unit_is_another_signal(tmp_path: Path) -> None:
+    text = 't,Force (V),Force (kN),x\n0.0,7,1,0\n0.1,7,2,1\n'
+    (tmp_path / 'a.csv').write_text(text)
+    assert ce.read_table(tmp_path / 'a.csv')['wrench.force.x'].tolist() == [1e3, 2e3]
+    chosen = {'wrench.force.x': 'Force (V)'}
+    with pytest.raises(ce.ContactEstimationError, match=r"in a unit of wrench.force.x.* got 'V'"):
+        ce.read_table(tmp_path / 'a.csv', columns=chosen)
+    known = ce.read_table(tmp_path / 'a.csv', columns=chosen, units=('N',))
+    assert known['wrench.force.x'].tolist() == [7.0, 7.0]
+
+
+def test_text_of_any_ending_is_a_table(tmp_path: Path) -> None:
+    (tmp_path / 'run.tab').write_text(
+        'gel\tgel\tgel\t\nForce\tDistance\tTime\t\ng\tmm\tsec\t\n\t\n1\t2\t0\t\n3\t4\t.1\t\n')
+    signals = ce.read_table(tmp_path / 'run.tab')
+    np.testing.assert_allclose(signals['wrench.force.x'], [9.80665e-3, 3 * 9.80665e-3])
+    np.testing.assert_allclose(signals['joint.x'], [2e-3, 4e-3])
+    (tmp_path / 'run.png').write_bytes(b'\x89PNG\r\n\x1a\n\0\0')
+    with pytest.raises(ce.ContactEstimationError, match='is no MCAP file'):
+        ce.read_table(tmp_path / 'run.png')
+
+
 def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
     (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n0.1,2,6\n', encoding='latin-1')
     np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
-
-
-def test_cells_without_a_number_are_reported(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / 'a.csv').write_text('t_ms,F,x\n0,1,1\n1,over,1\n2,1,NA\n')
-    said = Command('convert', convert, capfd)(tmp_path / 'a.csv', tmp_path / 'b.mcap').out
-    assert "F (1 cells hold no number, the first 'over') joint.x=x\n" in said
 
 
 def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:
@@ -231,33 +232,9 @@ def test_decimals_durations_and_times_of_parquet_are_numbers(tmp_path: Path) -> 
 
 
 def test_time_of_day_goes_on_after_midnight(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('time,F,x\n' + ''.join(
-        f'{text},1.0,0.1\n' for text in ('23:59:59.9', '00:00:00.0', '00:00:00.1')))
-    steps = np.diff(ce.read_table(tmp_path / 'a.csv')['t'])
+    rows = ''.join(f'{clock},1.0,0.1\n' for clock in ('23:59:59.9', '00:00:00.0', '00:00:00.1'))
+    steps = np.diff(read(tmp_path, f'time,F,x\n{rows}')['t'])
     np.testing.assert_allclose(steps, 0.1, atol=1e-9)
-
-
-def test_rows_that_are_written_twice_count_once(
-    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    once, twice = tmp_path / 'a.csv', tmp_path / 'b.csv'
-    assert Command('convert', convert, capfd)(recording, once).code == 0
-    names, *rows = once.read_text().splitlines()
-    twice.write_text('\n'.join([names, *(row for row in rows for _ in '12')]))
-    estimates = []
-    for path in (once, twice):
-        done = Command('replay', replay, capfd)(path, '--csv', path.with_suffix('.estimates'))
-        estimates.append(path.with_suffix('.estimates').read_bytes())
-    assert estimates[0] == estimates[1]
-    assert f't=t_ns ({len(rows)} rows are copies of others' in done.out
-
-
-def test_full_disk_names_the_file(recording: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    if not os.path.exists('/dev/full'):
-        pytest.skip('no /dev/full here')
-    for option in ('--csv', '--json'):
-        refused = Command('replay', replay, capfd).refusal(recording, option, '/dev/full')
-        assert 'No space left on device: /dev/full' in refused
 
 
 def test_objects_of_matlab_are_named(tmp_path: Path) -> None:
@@ -295,15 +272,13 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
 def test_table_that_is_not_understood_says_how_to_choose(
     tmp_path: Path, header: str, options: Any, text: str
 ) -> None:
-    (tmp_path / 'a.csv').write_text(f'{header}\n{ROWS}')
     with pytest.raises(ce.ContactEstimationError, match=text):
-        ce.read_table(tmp_path / 'a.csv', **options)
+        read(tmp_path, f'{header}\n{ROWS}', **options)
 
 
 def test_column_without_a_time_is_refused(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x\n,1,1\nNA,1,2\ninf,1,2\n')
     with pytest.raises(ce.ContactEstimationError, match="column 't' holds no time: .* t=500Hz"):
-        ce.read_table(tmp_path / 'a.csv')
+        read(tmp_path, 't,F,x\n,1,1\nNA,1,2\ninf,1,2\n')
 
 
 def test_time_without_a_unit_is_refused_where_seconds_cannot_be_meant(tmp_path: Path) -> None:
@@ -323,41 +298,10 @@ def test_columns_of_one_name_are_chosen_by_place(tmp_path: Path) -> None:
 
 
 def test_a_row_of_another_length_leaves_the_names(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,1\n0.1,1,2,late\n0.2,1,3\n0.3,1,4\n')
-    np.testing.assert_equal(ce.read_table(tmp_path / 'a.csv')['joint.x'], [np.nan, 2.0, 3.0, 4.0])
+    found = read(tmp_path, 't,F,x\n0.0,1\n0.1,1,2,late\n0.2,1,3\n0.3,1,4\n')
+    np.testing.assert_equal(found['joint.x'], [np.nan, 2.0, 3.0, 4.0])
 
 
 def test_signal_without_a_number_is_refused(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,nan,1\n0.1,nan,2\n')
     with pytest.raises(ce.ContactEstimationError, match="must hold finite numbers, .* 'F';"):
-        ce.read_table(tmp_path / 'a.csv')
-
-
-def test_a_sign_of_a_table_is_changed_by_its_column(
-    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    signals = ce.read_table(recording)
-    rows = np.column_stack([signals['t'], -signals['wrench.force.x'], signals['joint.contact_x']])
-    np.savetxt(tmp_path / 'a.csv', rows, delimiter=',', header='t,F,x', comments='')
-    refused = Command('replay', replay, capfd)(tmp_path / 'a.csv')
-    assert refused.code and 'a minus changes a sign: --columns' in refused.err
-    assert refused.err.count('set force_sign') == 1
-    assert not Command('replay', replay, capfd)(
-        tmp_path / 'a.csv', '--columns', 'wrench.force.x=-F').code
-
-
-@pytest.mark.slow
-def test_bag_to_csv_to_bag_gives_the_same_estimates(
-    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    as_csv, copy = tmp_path / 'a.csv', tmp_path / 'b.mcap'
-    for paths in ((recording, as_csv), (as_csv, copy)):
-        assert Command('convert', convert, capfd)(*paths).code == 0
-    written = []
-    for number, path in enumerate((recording, as_csv, copy)):
-        estimates = tmp_path / f'{number}.estimates'
-        assert Command('replay', replay, capfd)(path, '--csv', estimates).code == 0
-        written.append(estimates.read_bytes())
-    assert written[0] == written[1] == written[2]
-    said = Command('replay', replay, capfd)(as_csv).out.splitlines()[0]
-    assert said.startswith('columns: ') and said.endswith(' t=t_ns')
+        read(tmp_path, 't,F,x\n0.0,nan,1\n0.1,nan,2\n')

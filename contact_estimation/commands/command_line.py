@@ -22,6 +22,7 @@ from ..recordings.bag_folder import is_bag_folder, is_recording
 from ..recordings.columns import KEYS
 from ..recordings.recorded_signals import FIRST
 from ..recordings.source import RecordingSource, TOPICS
+from ..recordings.table_file import require_a_table
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..texts import print_help, printable, writing
 
@@ -119,9 +120,20 @@ def reading_of(options: Any) -> dict[str, Any]:
             raise RecordingError(
                 f'--columns must be SIGNAL=COLUMN, got {text!r}; example: wrench.force.z=Fz')
         columns[signal] = column
-    return {'columns': columns, 'units': tuple(filter(None, options.units.split(','))),
+    units = tuple(filter(None, options.units.split(',')))
+    require_a_table(_recordings_of(options), columns, units)
+    return {'columns': columns, 'units': units,
             'stamps': options.stamps, 'wrench_field': options.wrench_field,
             'tare': tare if (tare := getattr(options, 'tare', '')) != TRACKED else ''}
+
+
+def _recordings_of(options: Any) -> list[str]:
+    """Return the recordings that a command is given, by the names of its options."""
+    given: list[str] = []
+    for name in ('recording', 'recordings', 'holdout', 'simulation', 'like', 'paths'):
+        paths = getattr(options, name, None) or []
+        given += [paths] if isinstance(paths, str) else paths
+    return given
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:

@@ -49,7 +49,7 @@ def write_picture(
 
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
-_OF_A_TABLE = {'force_sign': ' (a minus changes a sign: --columns wrench.force.z=-COLUMN)'}
+_OF_SURFACE = ('surface', 'surface_shifted')  # the later one counts
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
 
 
@@ -131,10 +131,15 @@ def _nothing_estimated(
     """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
     warned = [found.warned for found in replay.session.checks.ordered_warnings()]
-    causes = [one.text + _OF_A_TABLE.get(one.name, '') * bool(reader.columns)
-              for one in warned if one.name != _NO_CAUSE]
-    cause = causes[0] if causes else ask()
     free = replayed.statuses == {EstimateStatus.FREE}
+    causes = [one.text for one in warned if one.invalidates]
+    others = [one.text for one in warned if one.name != _NO_CAUSE]
+    if not causes and (free or not others):
+        # A contact that was not seen looks like an offset, unless the whole recording is known.
+        causes = [ask()]
+    cause = next(filter(None, causes + others), '')
+    if reader.columns and 'force_sign' in cause:
+        cause += ' (a minus changes a sign: --columns wrench.force.z=-COLUMN)'
     said = '; '.join(filter(None, (
         cause, replay.session.checks.explain_no_contact(axis) if free else '')))
     withheld = any(one.invalidates for one in warned)  # the reasons repeat its text
@@ -189,8 +194,12 @@ def print_summary(summary: dict[str, Any]) -> None:
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
               f'(until {summary["model_fit"]["worst_stamp"]} s)')
+    surfaces = {found['axis']: found for found in sorted(
+        summary['warnings'], key=lambda found: float(found['last_stamp']))
+        if found['name'] in _OF_SURFACE}
     for found in summary['warnings']:
-        if found['name'] not in _SAID_OTHERWISE:
+        superseded = found['name'] in _OF_SURFACE and found is not surfaces[found['axis']]
+        if found['name'] not in _SAID_OTHERWISE and not superseded:
             print(f'  warning: {printable(found["text"])} (until {found["last_stamp"]} s)',
                   file=sys.stderr)
     if 'stiffness_matrix' in summary:

@@ -21,7 +21,8 @@ from ..ros.loop_processes import require_rclpy
 from ..watch.view import (
     ContactView, follow_recording, require_rerun, show, show_recording, WEB, WINDOW)
 
-_OF_RECORDINGS = ('follow', 'topic', 'axis', 'joint', 'params', 'estimator')
+_OF_RECORDINGS = ('follow', 'topic', 'columns', 'units', 'wrench_field', 'axis', 'joint', 'params',
+                  'estimator')
 _FOLLOWED_S = 20.0  # shown of a recording that is being written
 
 
@@ -78,8 +79,8 @@ def _watch_live(options: Any, target: str) -> int:
     given = [name for name in _OF_RECORDINGS if getattr(options, name)]
     if given:
         raise ParameterRangeError(
-            f'--{given[0]} needs a RECORDING, got none; remap the topics of a running estimator '
-            'with --ros-args -r wrench:=TOPIC')
+            f'--{given[0].replace("_", "-")} needs a RECORDING, got none; remap the topics of a '
+            'running estimator with --ros-args -r wrench:=TOPIC')
     require_rclpy('watch')
     from ..ros.watch_node import main as watch_node  # imports rclpy
 

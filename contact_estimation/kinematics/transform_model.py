@@ -13,9 +13,8 @@ from .frame_tree import (
     usable)
 from .robot_model import Array
 from ..exceptions import ModelFileError, UnknownNameError
+from ..signals.joint_merging import Row, row_at
 from ..signals.stream_faults import BEFORE_ANY
-
-Row = tuple[int, tuple[float, ...]]
 
 NUMBERS = 7  # of a pose
 _MOST_KEPT = 10_000  # of a frame while another is silent
@@ -75,7 +74,8 @@ class MovingFrames:
         stamps = sorted({row[0] for rows in every for row in rows if begin <= row[0] <= reach})
         if stamps:
             self._given_ns = stamps[-1]
-        return [(stamp, sum((_at(rows, stamp) for rows in every), ())) for stamp in stamps]
+        return [(stamp, sum((row_at(rows, stamp) or () for rows in every), ()))
+                for stamp in stamps]
 
 
 def _of_same_sign(pose: tuple[float, ...], before: tuple[float, ...]) -> tuple[float, ...]:
@@ -84,18 +84,6 @@ def _of_same_sign(pose: tuple[float, ...], before: tuple[float, ...]) -> tuple[f
     if a * before[3] + b * before[4] + c * before[5] + d * before[6] >= 0.0:
         return pose
     return (*pose[:3], -a, -b, -c, -d)
-
-
-def _at(rows: deque[Row], stamp_ns: int) -> tuple[float, ...]:
-    """Interpolate to a stamp between the first and the last row; older rows are dropped."""
-    while len(rows) > 1 and rows[1][0] <= stamp_ns:
-        rows.popleft()
-    first_ns, first = rows[0]
-    if first_ns == stamp_ns:
-        return first
-    second_ns, second = rows[1]
-    share = (stamp_ns - first_ns) / (second_ns - first_ns)
-    return tuple([a + share * (b - a) for a, b in zip(first, second)])
 
 
 class TransformModel:

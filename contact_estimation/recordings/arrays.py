@@ -17,7 +17,7 @@ from .decoding import decode_arm, ForceTorqueDecoder, JointsDecoder, TrajectoryD
 from .reading import RecordingReader
 from .recorded_signals import gather
 from .source import canonical, RecordingSource
-from .table_file import FORCES, messages_of, RATES, TYPES
+from .table_file import FORCES, messages_of, RATES, require_a_table, TYPES
 from .writing import RecordingWriter
 from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
 
@@ -49,10 +49,11 @@ def read_table(
     Raises
     ------
     RecordingError
-        If it cannot be read, or lacks time, force or position.
+        If it cannot be read, lacks time, force or position, or is a bag and columns are chosen.
 
     """
     source = RecordingSource.of_topics(topics or {}, **reading)
+    require_a_table([str(path)], source.columns, source.units)
     signals = signals_of_recording(RecordingReader(str(path), source), source)
     return {'t': 1e-9 * (signals['t_ns'] - signals['t_ns'][0]), **signals}
 

@@ -25,7 +25,8 @@ _UNITS: dict[str, tuple[str, float]] = {
        for name, kind in (('m', 'motion'), ('N', 'force'), ('s', 'time'), ('sec', 'time'))},
     'cm': ('motion', 1e-2), 'in': ('motion', 0.0254), 'inch': ('motion', 0.0254),
     'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
-    'kN': ('force', 1e3), 'kgf': ('force', 9.80665), 'gf': ('force', 9.80665e-3),
+    'kN': ('force', 1e3), 'daN': ('force', 10.0),
+    'kgf': ('force', 9.80665), 'gf': ('force', 9.80665e-3),
     'lbf': ('force', 4.4482216152605), 'lb': ('force', 4.4482216152605),
     # A load cell that reads as a scale.
     **dict.fromkeys(('g', 'gram', 'grams'), ('force', 9.80665e-3)), 'kg': ('force', 9.80665),
@@ -34,6 +35,9 @@ _UNITS: dict[str, tuple[str, float]] = {
     'millis': ('time', 1e-3), 'micros': ('time', 1e-6),
 }
 """What a unit measures, and its factor to SI."""
+
+_SPELLED = {'meter': 'm', 'metre': 'm', 'millimeter': 'mm', 'newton': 'N', 'second': 's',
+            'radian': 'rad', 'degree': 'deg'}
 
 # At the end of a name: z [mm], v (mm/s), z / mm, z in mm, z_mm; or all of it: millis.
 _UNIT = re.compile(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]$'
@@ -48,8 +52,8 @@ KEYS = ('t', 'wrench.force.x', 'wrench.torque.x', 'joint.NAME', 'joint.NAME.velo
 """Signals of a table; x likewise y and z."""
 
 _AXIS = {'0': 'x', '1': 'y', '2': 'z', '12': 'x', '13': 'y', '14': 'z'}  # 12: of a 4 x 4 matrix
-_POSITION = (r'pos|position|disp|displacement|deflection|depth|indentation|penetration|stroke|'
-             r'travel|extension|crosshead')
+_POSITION = (r'pos|position|disp|displacement|distance|deflection|depth|indentation|penetration|'
+             r'stroke|travel|extension|crosshead')
 _MEASURED = r'(?!.*(?:desired|target|ref|goal|cmd|command|set)).+'
 # Normalised names, in lower case with underscores: pandas, MATLAB, testing machines, libfranka
 # (O_F_ext_hat_K[2], q[0], q_d[0]) and RTDE (actual_TCP_force_2, actual_q_0); the first
@@ -111,7 +115,7 @@ def signals_of_columns(
     Returns signals (N,): by key without `t`, in SI units; NaN where a row has none
     """
     general = _general(units)
-    sources = columns_of_signals(columns, chosen, where)
+    sources = columns_of_signals(columns, chosen, units, where)
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     axis = next((axis for axis in 'yz' if f'joint.{axis}' in sources), 'x')
     needed = {'t': 't', 'wrench.force.': f'wrench.force.{axis}', 'joint.': 'joint.x'}
@@ -131,6 +135,12 @@ def signals_of_columns(
                 raise RecordingError(
                     f'column {name!r} of {where} must hold numbers, got {count} other texts, the '
                     f'first {text[:40]!r}; choose another with --columns {key}=COLUMN')
+            if foreign := _foreign_unit(key, name, general):
+                known = [unit for unit, (kind, _) in _UNITS.items() if kind == _kind(key)]
+                raise RecordingError(
+                    f'column {name!r} of {where} must be in a unit of {key}, such as '
+                    f'{", ".join(known)}, got {foreign!r}; choose another with --columns '
+                    f'{key}=COLUMN, or give its unit with --units')
             factor = _factor(key, name, general) * (1.0 if source in columns else -1.0)
             values = columns[name].astype(np.float64, copy=False)
             signals[key] = values if factor == 1.0 else factor * values
@@ -147,8 +157,11 @@ def signals_of_columns(
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
 
 
-def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
-    """Choose the column of each signal."""
+def columns_of_signals(
+    columns: Columns, chosen: Mapping[str, str], units: Sequence[str], where: str
+) -> dict[str, str]:
+    """Choose the column of each signal; none is found by name whose unit measures another."""
+    general = _general(units)
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     chosen = {key: _full_name(column, columns) for key, column in chosen.items()}
     for key, column in chosen.items():
@@ -162,7 +175,8 @@ def columns_of_signals(columns: Columns, chosen: Mapping[str, str], where: str) 
     found: dict[str, list[str]] = {}
     taken = {column if column in columns else column[1:] for column in chosen.values()}
     for rank, key, name in sorted((*_rank_and_key(name), name) for name in columns):
-        if key and key not in chosen and name not in taken:
+        if key and key not in chosen and name not in taken and not _foreign_unit(
+                key, name, general):
             same = [twin for twin in found.get(key, ())
                     if np.array_equal(columns[name], columns[twin], equal_nan=True)]
             if key not in found or rank == _rank_and_key(found[key][0])[0] and not same:
@@ -228,17 +242,36 @@ def _general(units: Sequence[str]) -> dict[str, float]:
 
 def _unit(name: str, kind: str = '') -> tuple[str, float] | None:
     """Return what a unit measures, and its factor; case counts only where nm is not Nm."""
+    name = re.sub('[.·*-]', '', name)  # N.m
+    name = _SPELLED.get(name.lower().removesuffix('s'), name)
     names = [one for one in _UNITS if one.lower() == name.lower() and kind in ('', _UNITS[one][0])]
     return _UNITS[name if name in names else names[0]] if names else None
 
 
+def _kind(key: str) -> str:
+    """Return what a signal measures, as of `_UNITS`."""
+    return ('time' if key == 't' else 'torque' if key.startswith('wrench.torque') or is_effort(key)
+            else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
+
+
+def _own_unit(name: str) -> str:
+    """Return the unit in the name of a column, '' for none."""
+    match = None if is_key(name) else _UNIT.search(name.strip())
+    return (match[1] or match[2]) if match else ''
+
+
 def _factor(key: str, name: str, general: Mapping[str, float]) -> float:
     """Return the factor of a column to SI: by the unit in its name, else the general one."""
-    kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque') or is_effort(key)
-            else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
-    match = None if is_key(name) else _UNIT.search(name.strip())
-    own = _unit(match[1] or match[2], kind) if match else None
-    return own[1] if own else general.get(kind, 1.0)
+    kind, own = _kind(key), _own_unit(name)
+    unit = _unit(own, kind) if own else None
+    return unit[1] if unit else general.get(kind, 1.0)
+
+
+def _foreign_unit(key: str, name: str, general: Mapping[str, float]) -> str:
+    """Return the unit of a column if it does not measure the signal: force in V, '' if it does."""
+    kind, own = _kind(key), _own_unit(name)
+    measures = not own or kind == 'time' or kind in general
+    return '' if measures or _unit(own, kind) else own
 
 
 def _stamps(

@@ -12,7 +12,7 @@ from .chunk_reader import decompressed, RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
 from .source import canonical, RecordingSource, require_topics
-from .table_file import is_table, TableFile
+from .table_file import reads_as_table, TableFile
 from ..exceptions import RecordingError
 from ..texts import require_content
 
@@ -124,7 +124,7 @@ class RecordingReader:
             raise RecordingError(
                 f'cannot read recording {file}: {getattr(error, "strerror", error)}; give an '
                 'existing .mcap file, rosbag2 folder or table') from error
-        if is_table(file):
+        if reads_as_table(file):
             return TableFile(file, self._source)
         return RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
 

@@ -7,18 +7,19 @@ import csv
 from functools import partial
 from math import isnan, nan, prod
 from pathlib import Path
-from typing import Any, Callable, Collection, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .bag_folder import is_recording
 from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
 from .encoding import encode_arm, WrenchEncoder
 from .mcap_records import Summary
 from .source import canonical, RecordingSource
-from .text_table import Columns, read_text
+from .text_table import Columns, is_text, read_text
 from ..exceptions import MissingPackageError, RecordingError
 
 MOST_CELLS = 1 << 26
@@ -30,6 +31,27 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower() in _READERS
 
 
+def reads_as_table(path: Path) -> bool:
+    """Return whether a recording is a table, by its suffix, or else by its being text."""
+    if is_table(path) or not path.is_file() or is_recording(path):
+        return is_table(path)
+    return is_text(path)
+
+
+def require_a_table(
+    paths: Iterable[str | Path], columns: Mapping[str, str], units: Sequence[str]
+) -> None:
+    """Refuse columns and units where no recording is a table; a missing one is another error."""
+    recordings = [Path(path) for path in paths]
+    if (columns or units) and recordings and not any(
+            reads_as_table(path) or not path.exists() for path in recordings):
+        option = '--columns' if columns else '--units'
+        raise RecordingError(
+            f'{option} is for tables, such as CSV, Parquet or MAT, but {recordings[0]} is none; '
+            'choose the topics of a bag with --topic, the component of the force with --axis, and '
+            'a field of its messages with --wrench-field')
+
+
 def read_columns(path: Path) -> Columns:
     """
     Read all columns of numbers.
@@ -38,7 +60,7 @@ def read_columns(path: Path) -> Columns:
     header are named '1', '2',
     """
     try:
-        columns = _READERS[path.suffix.lower()](path)
+        columns = _READERS.get(path.suffix.lower(), read_text)(path)
     except (OSError, csv.Error) as error:
         reason = getattr(error, 'strerror', None) or error
         raise RecordingError(f'cannot read table {path}: {reason}; check the file') from error
@@ -157,7 +179,7 @@ class TableFile:
         self.path, self.summary, self.position = path, Summary(whole=True), 0
         columns, where = read_columns(path), f'table {path}'
         stamp_ns, signals = signals_of_columns(columns, source.columns, source.units, where)
-        self.columns = columns_of_signals(columns, source.columns, where)
+        self.columns = columns_of_signals(columns, source.columns, source.units, where)
         for key, column in self.columns.items():
             if odd := columns.odd.get(column.removeprefix('-')):
                 self.columns[key] += f' ({odd[0]} cells hold no number, the first {odd[1][:40]!r})'

@@ -65,6 +65,13 @@ def read_text(path: Path) -> Columns:
             return _cell_by_cell(islice(_rows(stream, delimiter), first, None), names, mark)
 
 
+def is_text(path: Path) -> bool:
+    """Return whether a file is text: it begins without control characters."""
+    with open(path, 'rb') as binary:
+        start = binary.read(1 << 12)
+    return _encoding(start) == 'utf-16' or not re.search(rb'[\x00-\x08\x0e-\x1f]', start)
+
+
 def _encoding(start: bytes) -> str:
     """Tell the encodings that spreadsheets write; any byte is a character of the last."""
     if start[:2] in (b'\xff\xfe', b'\xfe\xff'):

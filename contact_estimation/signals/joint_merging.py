@@ -11,7 +11,8 @@ from .stream_faults import BEFORE_ANY
 
 _MOST_KEPT = 10_000  # of a source while another is silent
 
-Row = tuple[int, Sequence[float]]
+Row = tuple[int, tuple[float, ...]]
+"""Stamp [ns] and numbers."""
 
 
 class JointMerger:
@@ -68,14 +69,14 @@ class JointMerger:
             return None
         motion = [0.0] * (2 * self._count)
         for places, rows in self._sources.items():
-            values = _at(rows, stamp_ns)
+            values = row_at(rows, stamp_ns)
             if values is None:
                 return None
             for number, place in enumerate(places):
                 motion[place] = values[number]
                 motion[place + self._count] = values[number + len(places)]
         self._given_ns = stamp_ns
-        return stamp_ns, motion
+        return stamp_ns, tuple(motion)
 
     def _unwrapped(self, positions: Sequence[float]) -> Sequence[float]:
         unwrapped = list(positions)
@@ -87,7 +88,7 @@ class JointMerger:
         return unwrapped
 
 
-def _at(rows: deque[Row], stamp_ns: int) -> Sequence[float] | None:
+def row_at(rows: deque[Row], stamp_ns: int) -> tuple[float, ...] | None:
     """Interpolate to a stamp that the last row has reached; None before the first row."""
     while len(rows) > 1 and rows[1][0] <= stamp_ns:
         rows.popleft()
@@ -98,4 +99,4 @@ def _at(rows: deque[Row], stamp_ns: int) -> Sequence[float] | None:
         return None
     second_ns, second = rows[1]
     share = (stamp_ns - first_ns) / (second_ns - first_ns)
-    return [a + share * (b - a) for a, b in zip(first, second)]
+    return tuple([a + share * (b - a) for a, b in zip(first, second)])
