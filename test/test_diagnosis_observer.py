@@ -10,7 +10,7 @@ from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.space import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
-    innovations, kalman_filter, run, run_velocity)
+    innovations, kalman_filter, run, run_from, run_velocity)
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
@@ -45,6 +45,8 @@ def test_run_is_that_of_lsim(M: float, B: float, K: float) -> None:
     for got, expected in zip((run, run_velocity), states.T):
         np.testing.assert_allclose(got(system, PUSH, 0.0, K), expected,
                                    atol=1e-8 * np.max(np.abs(expected)))
+    for continued, expected in zip(run_from(system, PUSH[500:], states[500]), states[500:].T):
+        np.testing.assert_allclose(continued, expected, atol=1e-8 * np.max(np.abs(expected)))
 
 
 def test_innovations_of_a_right_model_are_white_and_no_larger_than_the_noise() -> None:

@@ -43,8 +43,10 @@ def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: 
 
 def run_from(system: SecondOrder, force: Array, state: Array) -> Array:
     """Simulate the dynamics from a state."""
-    poles = system.denominator
-    rows = zip((system.position, system.velocity), state, system.transition @ state)
+    # The first force has acted up to the first sample, and is in the state already.
+    poles, known = system.denominator, np.array([system.position[0], system.velocity[0]])
+    inherited = state - force[0] * known
+    rows = zip((system.position, system.velocity), inherited, system.transition @ inherited)
     return np.array([
         lfilter(row, poles, force, zi=[first, second + poles[1] * first])[0]
         for row, first, second in rows])
