@@ -146,6 +146,8 @@ def test_a_resonance_needs_one_period_and_eight_samples_in_it(
     recording, found = prepared(specimen(THERE_AND_BACK, 0.0))
     model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
     assert is_credible([recording], model) is credible
+    further = model.with_effect('cubic_stiffness', (1e6,))  # which was fitted beside it later
+    assert is_credible([recording], further) is credible
 
 
 @pytest.mark.parametrize('name, values, clips', [

@@ -86,10 +86,11 @@ _LEVEL, _SLOPE = 3.0, 0.01
 
 
 def is_credible(recordings: Recordings, model: Model) -> bool:
-    """Return whether the values of a model are possible, and its last effect where they put it."""
-    effect = model.effect(model.effects[-1])
-    return model.plausible() and not effect.vanishes() and any(
-        effect.may_show(_Recorded(one, model)) for one in recordings)
+    """Return whether the values of a model are possible, and its effects where they put them."""
+    added = [model.effect(name) for name in model.effects if name not in model.given]
+    return model.plausible() and all(
+        not effect.vanishes() and any(effect.may_show(_Recorded(one, model)) for one in recordings)
+        for effect in added)
 
 
 class _Recorded:
