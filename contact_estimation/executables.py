@@ -16,7 +16,8 @@ from typing import Any, Callable
 
 COMMANDS = {
     **{name: f'.commands.{name}' for name in (
-        'calibrate_tool', 'convert', 'diagnose', 'fleet', 'loop', 'replay', 'simulate', 'watch')},
+        'calibrate_tool', 'convert', 'demonstrate', 'diagnose', 'fleet', 'loop', 'replay',
+        'simulate', 'watch')},
     'blind_trials': '.studies.blind_trials.command', 'reproduce': '.studies.reproduce',
 }
 NODES = {name: f'.ros.{name}' for name in (

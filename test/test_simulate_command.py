@@ -1,12 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The command `simulate`."""
+"""The commands `simulate` and `python -m contact_estimation`."""
 
 from pathlib import Path
 from typing import Any
 
+from contact_estimation.commands.demonstrate import CONCEALED, main as demonstrate, WORLD
 from contact_estimation.commands.simulate import main
+from contact_estimation.parameters import build
+from contact_estimation.physics import effects_that_are_on
+from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
@@ -139,3 +143,17 @@ def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
     assert 'never overwritten' in capsys.readouterr().err
     assert (tmp_path / 'a.mcap').read_text() == 'precious'
+
+
+@pytest.mark.parametrize('concealed', CONCEALED)
+def test_each_concealed_world_has_one_effect(concealed: dict[str, float]) -> None:
+    plant = build(PlantParameters, {**WORLD, **concealed})
+    assert len(effects_that_are_on(plant.physics)) == 1
+
+
+def test_folder_that_is_not_empty_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'kept').write_text('')
+    assert demonstrate(['--output', str(tmp_path)]) == 1
+    assert 'not empty' in capsys.readouterr().err
