@@ -15,7 +15,7 @@ from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
 from contact_estimation.fleet.discovery import find_recordings, skipped_files
 from contact_estimation.fleet.findings import changes, differences, trends
-from contact_estimation.fleet.one_recording import Episodes, Result, Settings
+from contact_estimation.fleet.one_recording import Episodes, process, Result, Settings
 from contact_estimation.fleet.page import as_html
 from contact_estimation.fleet.run import Fleet, Pool, PooledResult, pools, run_fleet
 from contact_estimation.fleet.table import as_parquet, COLUMNS, in_time, rows_of
@@ -307,7 +307,7 @@ def test_an_estimate_that_lost_its_band_is_no_value_of_a_contact() -> None:
 
 
 def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    recordings: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     for package in ('distributed', 'pyarrow', 'matplotlib'):
         pytest.importorskip(package)
@@ -316,7 +316,9 @@ def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(
     fleet = Command('fleet', command_module.main, capfd)
     refusal = fleet.refusal(tmp_path / 'empty', '--nominal', model, '--output', tmp_path / 'out')
     assert 'no recording at' in refusal
-    assert Settings.of(read_model(model)).nominal == read_model(model)
+    settings = Settings.of(read_model(model))
+    outcome = process(str(recordings / 'run_2.mcap'), settings, False).outcome
+    assert (outcome['error'], outcome['report']['verdict']) == ('', 'consistent')
 
 
 @pytest.mark.slow
