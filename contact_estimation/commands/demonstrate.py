@@ -86,8 +86,8 @@ def _loop(
     parameters = output / f'{name}.yaml'
     parameters.write_text(parameter_sections(
         plant_node=plant, estimator_node={**_ESTIMATOR, **estimator}))
-    _call('loop', '--experiment', 'rich', '--params', str(parameters), '--seed', str(seed),
-          '--output', str(output / name))
+    _call('loop', '--experiment', 'rich', '--lockstep',  # a busy machine delays no command
+          '--params', str(parameters), '--seed', str(seed), '--output', str(output / name))
     return dict(json.loads((output / name / 'summary.json').read_text()))
 
 

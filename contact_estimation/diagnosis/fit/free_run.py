@@ -113,6 +113,7 @@ def _free_wall(model: Model, o: Observed) -> Array:
 
 _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
+_FOLLOWS = 2.0  # the same once refined: more is no noise, and values would make up for it
 _ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
 _ROUNDS = 8  # rounds in which the free run of a wall converges
 _MOST_TRIES = 5  # of Gauss and Newton
@@ -129,7 +130,8 @@ def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
         return recordings, found
     model = _least_output_error(recordings, found.model, runs)
     refined = fit_at(recordings, model)
-    kept = refined.cost <= _ALIKE * found.cost and model.plausible()
+    kept = refined.cost <= _ALIKE * found.cost and model.plausible() and all(
+        _close(one, run, _FOLLOWS) for one, run in zip(recordings, _free_runs(recordings, model)))
     return recordings, refined if kept else found
 
 
