@@ -234,7 +234,7 @@ class Worlds:
     """Models whose effects, each of a family of its own, leave shares of a misfit."""
 
     def __init__(self, **factors: float) -> None:
-        self._factors = factors
+        self._factors, self.together, self.composed = factors, 1.0, False
         self.fitted, self.extended = list[frozenset[str]](), list[frozenset[str]]()
 
     def evidence(self) -> Evidence:
@@ -247,6 +247,11 @@ class Worlds:
         added = [(*one.effects, more) for more in self._factors if more not in one.effects]
         return [scored(max(1e4 * float(np.prod([self._factors[each] for each in effects])), 1.0),
                        *effects) for effects in added]
+
+    def compositions(self) -> list[Scored]:
+        """Return the effects that are little alone and much together."""
+        self.composed = True
+        return [] if self.together == 1.0 else [scored(1e4 * self.together, 'a', 'b')]
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Return none."""
@@ -268,6 +273,15 @@ def test_search_adds_laws_that_pay(factors: dict[str, float], found: set[str], n
     assert compared.models[0].key == found
     assert compared.score == compared.evidence.score(compared.models[0])
     assert frozenset('d') not in getattr(space, never)
+
+
+def test_pairs_that_are_little_alone_are_tried_while_much_is_left() -> None:
+    space = Worlds(a=0.95, b=0.95, c=0.5)
+    space.together = 0.01
+    assert search(space, lambda text: None).models[0].key == {'a', 'b'}
+    done = Worlds(a=1e-4)
+    search(done, lambda text: None)
+    assert space.composed and not done.composed
 
 
 def test_known_models_are_fitted_again_and_the_best_is_extended() -> None:

@@ -7,7 +7,7 @@ import dataclasses
 from functools import lru_cache
 import math
 from math import isnan
-from typing import Any
+from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters import optional_parameter, specifications
@@ -94,9 +94,10 @@ def test_law_gives_the_same_for_numbers_and_arrays() -> None:
     for name in EFFECTS:
         effect = example(name)
         if isinstance(effect, ContactEffect) and not effect.states:
-            arrays = effect.resistance(0.0, d, v, (), np)
+            law = law_of(name)
+            arrays = law.resistance(0.0, d, v, (), np)
             numbers = [
-                effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
+                law.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
             np.testing.assert_allclose(arrays, numbers, rtol=1e-12, err_msg=name)
 
 
@@ -168,6 +169,33 @@ def test_force_predicted_from_true_motion_is_the_true_force() -> None:
         assert np.max(-force) > 10.0 and np.mean(away) > 0.9, name
         np.testing.assert_allclose(
             got[away], force[away], atol=PREDICTION.get(name, 1e-9), err_msg=name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('memory', ['viscoelastic_relaxation', 'fractional_relaxation'])
+def test_relaxation_is_one_of_the_whole_elastic_force(memory: str) -> None:
+    laws: dict[str, Callable[[Array], Array]] = {
+        'power_law_stiffness': lambda d: 18000.0 * d**1.3,
+        'exponential_stiffness': lambda d: (
+            K_e * d + 2.0 * (np.exp(d / 0.004) - 1.0 - d / 0.004)),
+    }
+    t, x, v, a = motion(1e-4)
+    for name, elastic in laws.items():
+        straight = elastic(np.maximum(x, 0.0)) / K_e  # the depth at which K_e has that force
+        rate = np.gradient(straight, t)
+        force = FORMULAS[memory](t, straight, rate, a, *example_values(memory))
+        expected = force + B_e * (rate - v)
+        both = [example(name), example(memory)]
+        got = ContactLaw(K_e, B_e, 0.0, 0.0, True, both).force(t, x, v, a)
+        away = (force < 0.0) & (got < 0.0)
+        assert np.mean(away) > 0.3
+        np.testing.assert_allclose(got[away], expected[away], atol=0.15, err_msg=name)
+        truths = simulate(700, with_effect(memory, **{
+            f'physics__{name}__{key}': value for key, value in example(name).values().items()}))
+        *motion_then, force, _ = np.array(truths).T
+        got = ContactLaw(K_e, B_e, 0.0, 0.0, True, both).force(*motion_then)
+        away = ~near_switch(force, 1)
+        np.testing.assert_allclose(got[away], force[away], atol=0.05, err_msg=name)
 
 
 PREDICTION = {  # of effects with states, which a recording has only at its samples [N]

@@ -14,7 +14,7 @@ class BilinearStiffness(ContactEffect):
     equation = 'F_e -= K_2 max(d - depth, 0)'
     family = 'elastic_law'
 
-    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+    def elastic(self, d: Number, m: Any) -> Number:
         return self.K_2 * positive(d - self.depth, m)
 
     @classmethod

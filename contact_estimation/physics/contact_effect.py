@@ -37,6 +37,9 @@ class ContactEffect(Effect):
         Whether the force may vanish during contact.
     jumps : bool
         Whether the resistance depends on the rate alone and jumps where the motion reverses.
+    relaxes : bool
+        Whether it is a memory of the elastic force (Fung's quasi-linear viscoelasticity): its d
+        and v are those at which a straight spring K_e would have that force.
 
     """
 
@@ -45,6 +48,7 @@ class ContactEffect(Effect):
     weights: ClassVar[tuple[str, ...]] = ()
     lets_go: ClassVar[bool] = False
     jumps: ClassVar[bool] = False
+    relaxes: ClassVar[bool] = False
 
     @property
     def inertia(self) -> float:
@@ -75,6 +79,10 @@ class ContactEffect(Effect):
 
     def spring(self, d: Number, m: Any) -> Number:
         """Return the elastic force in place of that of K_e [N]."""
+        raise NotImplementedError
+
+    def elastic(self, d: Number, m: Any) -> Number:
+        """Return the elastic force beside that spring [N]."""
         raise NotImplementedError
 
     def damper(self, d: Number, v: Number, exponent: float, m: Any) -> Number:

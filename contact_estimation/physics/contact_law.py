@@ -16,7 +16,9 @@ from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
 _KEPT = KeptMotion()
-_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
+_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'elastic', 'damper', 'carried',
+          'resistance', 'tail')
+_NEAR, _LEAST_NEAR = 1e-4, 1e-9  # steps of difference quotients, of the depth and in [m]
 
 
 class Touch(NamedTuple):
@@ -35,13 +37,15 @@ class ContactLaw:
     adhesion.
 
     stiffness, damping, location, inertia: K_e [N/m], B_e [N s/m], x_e [m], M_e [kg]
+    usual: K_e by which relaxing effects weigh other elastic forces [N/m]; K_e itself by default
     """
 
     def __init__(
         self, stiffness: float, damping: float, location: float, inertia: float,
-        unilateral: bool, effects: Sequence[Effect],
+        unilateral: bool, effects: Sequence[Effect], usual: float | None = None,
     ) -> None:
         self.stiffness, self.damping, self._x_e = stiffness, damping, location
+        self._usual = stiffness if usual is None else usual
         self.unilateral = unilateral
         wall = [effect for effect in effects if isinstance(effect, ContactEffect)]
         self.effects = wall
@@ -55,9 +59,11 @@ class ContactLaw:
             first += effect.states
         # Only overridden hooks are called: a plant evaluates the law 20 000 times per second.
         users, self._is_plain = _users_of_hooks(tuple(map(type, wall)))
-        (self._surfaces, self._transmissions, self._deflections, self._springs, self._dampers,
-         self._carriers, self._resistances, self._tails) = (
+        (self._surfaces, self._transmissions, self._deflections, self._springs, self._elastics,
+         self._dampers, self._carriers, self._resistances, self._tails) = (
             [placed[k] for k in numbers] for numbers in users)
+        bends = [*self._deflections, *self._springs, *self._elastics]
+        self._bends = [place[0] for place in bends] if self._usual > 0.0 else []
         self._stateful = [place for place in placed if place[0].states]
 
     @property
@@ -119,9 +125,30 @@ class ContactLaw:
         resistance = spring + damper
         for effect, _ in self._carriers:
             resistance = effect.carried(d, spring, damper, m)
+        for effect, _ in self._elastics:
+            resistance = resistance + effect.elastic(d, m)
         for effect, place in self._resistances:
-            resistance = resistance + effect.resistance(t, d, v, states[place], m)
+            u, rate = self._relaxing(t, d, v, m) if effect.relaxes else (d, v)
+            resistance = resistance + effect.resistance(t, u, rate, states[place], m)
         return resistance
+
+    def _relaxing(self, t: Any, d: Any, v: Any, m: Any) -> tuple[Any, Any]:
+        """Return d and v at which the spring K_e alone has the elastic force."""
+        if not self._bends:
+            return d, v
+        near = _NEAR * abs(d) + _LEAST_NEAR
+        below, above = (self._compression(t, there, m) for there in (d - near, d + near))
+        return self._compression(t, d, m), (above - below) / (2.0 * near) * v
+
+    def _compression(self, t: Any, d: Any, m: Any) -> Any:
+        u = d
+        for effect, _ in self._deflections:
+            u = effect.deflection(t, u, m)
+        for effect, _ in self._springs:
+            u = effect.spring(d, m) / self._usual
+        for effect, _ in self._elastics:
+            u = u + effect.elastic(d, m) / self._usual
+        return u
 
     def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
         """Return the resistance in contact without inertia [N]; parameters as `penetration`."""
@@ -133,20 +160,19 @@ class ContactLaw:
     def rates(self, t: float, x: float, v: float, states: State) -> State:
         """Return the rates of the internal states; parameters as `penetration`."""
         rates: State = ()
-        for effect, place, d, u in self._met(t, x, v, states):
-            touching = d > 0.0 or not self.unilateral
+        for effect, place, touching, d, u in self._met(t, x, v, states):
             rates += effect.state_rates(t, d, u, touching, states[place])
         return rates
 
     def settle(self, t: float, x: float, v: float, states: State) -> State:
         """Project the internal states onto their range; parameters as `penetration`."""
         settled: State = ()
-        for effect, place, d, u in self._met(t, x, v, states):
-            settled += effect.settle(d, u, d > 0.0 or not self.unilateral, states[place])
+        for effect, place, touching, d, u in self._met(t, x, v, states):
+            settled += effect.settle(d, u, touching, states[place])
         return settled
 
     def _met(self, t: float, x: float, v: float, states: State) -> list[tuple[Any, ...]]:
-        """Return the effects with states, each with d and v before its own change of them."""
+        """Return the effects with states, and contact, d and v before their own change of them."""
         own: dict[int, tuple[float, float]] = {}
         d = x - self._x_e
         for effect, place in self._surfaces:
@@ -156,16 +182,23 @@ class ContactLaw:
         for effect, place in self._transmissions:
             own.setdefault(id(effect), (d, v))
             d, v, _ = effect.transmit(d, v, states[place], math)
-        here = (d, v)
-        return [(effect, place, *own.get(id(effect), here)) for effect, place in self._stateful]
+        met = []
+        for effect, place in self._stateful:
+            u, rate = own.get(id(effect), (d, v))
+            touching = u > 0.0 or not self.unilateral
+            if effect.relaxes:
+                u, rate = self._relaxing(t, u, rate, math)
+            met.append((effect, place, touching, u, rate))
+        return met
 
     def motion_along(self, t: Array, x: Array, v: Array) -> WallMotion:
         """Integrate all internal states along a recorded motion, evenly spaced (N,)."""
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
         if not moving:
             return WallMotion(StatesAlong(), x - self._x_e, v, True)
-        law = (self._x_e, self.unilateral, float(t[1] - t[0]),
-               tuple(_shaping(effect) for effect in moving))
+        bends = self._bends if any(effect.relaxes for effect in moving) else []
+        law = (self._x_e, self.unilateral, float(t[1] - t[0]), self._usual if bends else 0.0,
+               tuple(_shaping(effect) for effect in (*moving, *bends)))
         return _KEPT.along(law, x, v, lambda: self._moved(t, x, v))
 
     def _moved(self, t: Array, x: Array, v: Array) -> WallMotion:
@@ -185,7 +218,8 @@ class ContactLaw:
             d, v, engaged = effect.transmit(d, v, states[place], np)
         for effect, place in self._stateful:
             if id(effect) not in known:
-                states[place] = effect.states_along(t, d, v, self._touching(d))
+                u, rate = self._relaxing(t, d, v, np) if effect.relaxes else (d, v)
+                states[place] = effect.states_along(t, u, rate, self._touching(d))
         return WallMotion(states, d, v, engaged)
 
     def _touching(self, d: Array) -> NDArray[np.bool_]:

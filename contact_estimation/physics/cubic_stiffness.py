@@ -15,7 +15,7 @@ class CubicStiffness(ContactEffect):
     equation = 'F_e -= K_3 d^3'
     family = 'elastic_law'
 
-    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+    def elastic(self, d: Number, m: Any) -> Number:
         return self.K_3 * d * d * d
 
     @classmethod

@@ -22,7 +22,7 @@ class ExponentialStiffness(ContactEffect):
     equation = 'F_e -= A (exp(d / depth) - 1 - d / depth)'
     family = 'elastic_law'
 
-    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+    def elastic(self, d: Number, m: Any) -> Number:
         x = d / self.depth
         beyond = positive(x - _LARGEST, m)  # there the exponential goes on as a straight line
         return self.A * (m.exp(x - beyond) * (1.0 + beyond) - 1.0 - x)

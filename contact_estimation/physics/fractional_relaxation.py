@@ -115,6 +115,7 @@ class FractionalRelaxation(ContactEffect):
 
     equation = 'F_e -= C D^alpha d'
     family = 'relaxation'
+    relaxes = True
     needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = _BRANCHES + 3
     weights = ('C', 'alpha')

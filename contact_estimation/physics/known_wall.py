@@ -80,7 +80,8 @@ class KnownWall:
         memory: Callable[[], Memory] | None,
     ) -> None:
         # The law is linear in K_e: its column is the law with K_e = 1 less the law with K_e = 0.
-        self._law, self._unit = (ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0))
+        self._law, self._unit = (
+            ContactLaw(K, 0.0, 0.0, 0.0, True, effects, initial_stiffness) for K in (0.0, 1.0))
         self.acts, self.inertia = bool(self._law.effects), self._law.inertia
         self.free_force = float(self._law.tail(-_FAR, 0.0, (0.0,) * self._law.states, math))
         self._placeholder = initial_stiffness if self._law.replaces_stiffness else 0.0

@@ -20,7 +20,7 @@ class PolynomialStiffness(ContactEffect):
     equation = 'F_e -= K_2 d |d| + K_3 d^3'
     family = 'elastic_law'
 
-    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+    def elastic(self, d: Number, m: Any) -> Number:
         return (self.K_2 * abs(d) + self.K_3 * d * d) * d
 
     def is_flexible(self, duration: float) -> bool:

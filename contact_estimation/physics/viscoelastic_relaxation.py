@@ -29,6 +29,7 @@ class ViscoelasticRelaxation(ContactEffect):
 
     equation = "F_e -= s, s' = K_1 v - s / tau"
     family = 'relaxation'
+    relaxes = True
     needs = frozenset({Need.SPRING})  # what moves freely hangs on nothing that relaxes
     states = 3
 

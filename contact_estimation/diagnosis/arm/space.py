@@ -238,6 +238,10 @@ class ArmModels:
             model -= stand_in
         return model
 
+    def compositions(self) -> list[Scored]:
+        """Return none: what acts on the joints adds up."""
+        return []
+
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models without each law of a model, and with another in its place."""
         model: Model = one.found[0]

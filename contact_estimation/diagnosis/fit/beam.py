@@ -29,6 +29,9 @@ class Space(Protocol):
     def extensions(self, one: Scored) -> list[Scored]:
         """Return the most promising models with one more effect."""
 
+    def compositions(self) -> list[Scored]:
+        """Return the nominal model with pairs of laws of which one acts on the other."""
+
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models with a law of its family, or the likeliest, in the place of each law."""
 
@@ -54,12 +57,17 @@ def search(
     """Extend the best models as long as the gain that is left could pay for a further law."""
     evidence, models = known or refit(space, [])
     pool = {one.key: one for one in models}
-    done, wide = set[frozenset[str]](), 1 if known else _WIDE
-    for _ in range(_DEEP):
+    done, wide, composed = set[frozenset[str]](), 1 if known else _WIDE, False
+    for _ in range(2 * _DEEP):
         ranked = evidence.ranked(pool.values())
         frontier = [one for one in ranked[:wide] if one.key not in done and one.laws < laws
                     and (not done or _may_matter(evidence, one, ranked[0]))]
-        if not frontier:
+        if not frontier and not composed and _may_matter(evidence, ranked[0], ranked[0]):
+            # Neither of such a pair need be worth anything alone.
+            composed = True
+            for one in space.compositions():
+                _keep(evidence, pool, one)
+        elif not frontier:
             break
         for one in frontier:
             progress(', '.join(one.effects) or 'nominal model')

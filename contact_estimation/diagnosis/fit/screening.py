@@ -11,6 +11,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from scipy.fft import next_fast_len
 
+from .compositions import compose
 from .evidence import prior, ranked_by
 from .fitting import differentiate_by, Fit, residual_function, sum_of_squares
 from ..observe.model import Model, names_of
@@ -188,6 +189,12 @@ class Screening:
         best = {name: ranked_by(steps, lambda one: one.foretold) for name, steps in found.items()}
         order = ranked_by(best, lambda name: best[name][0].foretold, prior)
         return {name: best[name] for name in order}
+
+    def composed(self, present: Model, pair: tuple[str, str]) -> Model:
+        """Return the likeliest start of two laws that act on each other, beside a model."""
+        starts = compose(present, pair, self.scales, lambda model: self._straight(
+            model, model.coordinates))
+        return ranked_by(starts, lambda one: self._cost(one.residuals))[0].model
 
     def _step(
         self, present: Model, start: _Start, here: Array, columns: Array, basis: Array

@@ -117,6 +117,8 @@ def model_file(diagnosis: Diagnosis) -> str:
     }
     physics = {name: value for name, value in changed.items() if name.startswith('physics.')}
     estimator = {'environment.location': changed['environment.location'], **physics}
+    if plant.environment.stiffness > 0.0:  # what relaxes of a curved elastic force goes by it
+        estimator['environment.initial_stiffness'] = plant.environment.stiffness
     nodes = {
         'plant_node': {'ros__parameters': _nested(changed)},
         'estimator_node': {'ros__parameters': _nested(estimator)},
