@@ -155,6 +155,17 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
+def test_relaxation_of_a_curved_elastic_force_is_named_with_its_law() -> None:
+    true = {'exponential_stiffness': (0.6, 0.0025), 'fractional_relaxation': (800.0, 0.4)}
+    found = diagnosed(recorded(**{key: value for name, values in true.items()
+                                  for key, value in physics(name, *values).items()}))
+    assert set(named(found)) == set(true)
+    for effect in found.effects:
+        values = [value.value for value in effect.parameters.values()]
+        assert values == pytest.approx(true[effect.name], rel=0.04)
+    assert found.force.corrected == pytest.approx(FORCE_NOISE, rel=0.2)
+
+
 @pytest.mark.parametrize('stray', [0.0, 0.6])
 def test_a_pull_at_each_release_is_named_beside_an_offset_of_the_surface(stray: float) -> None:
     # It lasts for a few blocks, and the offset explains nine tenths.
