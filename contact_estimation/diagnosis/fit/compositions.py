@@ -12,7 +12,7 @@ from one linear least squares (G. Golub and V. Pereyra, Inverse Problems 19, 200
 
 from functools import lru_cache
 from itertools import product
-from typing import Callable, NamedTuple, Sequence, TypeVar
+from typing import Callable, Iterator, NamedTuple, Sequence, TypeVar
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -36,22 +36,22 @@ class Composed(NamedTuple):
     residuals: Array  # (R,) foretold
 
 
-def pairs_of(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Return each elastic law with each memory of the elastic force."""
-    curves = [name for name in names if EFFECTS[name].changes & {'spring', 'elastic'}]
-    memories = [name for name in names if getattr(EFFECTS[name], 'relaxes', False)]
-    return list(product(curves, memories))
-
-
 def compose(
-    present: Model, pair: tuple[str, str], scales: Scales, residuals: Callable[[Model], Array]
-) -> list[Composed]:
-    """Return pairs at several shapes, with the values of the elastic law that fit best."""
-    known = lru_cache(maxsize=None)(residuals)
-    curves, memories = (_spread(EFFECTS[name].prior(scales).starts) for name in pair)
-    return [_fitted(present, pair, curve, (larger * amount / scales.spring, *rate),
-                    scales, known)
-            for curve, (amount, *rate), larger in product(curves, memories, _LARGER)]
+    present: Model, names: Sequence[str], scales: Scales, residuals: Callable[[Model], Array]
+) -> Iterator[list[Composed]]:
+    """
+    Yield each elastic law with each memory of the elastic force.
+
+    Each pair at several shapes, with the values of the elastic law that fit best.
+    """
+    residuals = lru_cache(maxsize=128)(residuals)  # without a curve, all curves are the same
+    memories = [name for name in names if getattr(EFFECTS[name], 'relaxes', False)]
+    curves = [name for name in names if EFFECTS[name].changes & {'spring', 'elastic'}]
+    for memory, curve in product(memories, curves):
+        rates, shapes = (_spread(EFFECTS[name].prior(scales).starts) for name in (memory, curve))
+        yield [_fitted(present, (curve, memory), shape, (larger * amount / scales.spring, *rate),
+                       scales, residuals)
+               for shape, (amount, *rate), larger in product(shapes, rates, _LARGER)]
 
 
 def _fitted(
@@ -67,7 +67,7 @@ def _fitted(
         """Return the pair with the usual K_e, B_e and linear values of the curve multiplied."""
         K_e, B_e = scales.spring * factors[0], scales.damper * factors[1]
         made = present.at((K_e, B_e, *present.values[2:]))
-        if is_bent or factors[2:].any():  # else all curves are the same
+        if is_bent or factors[2:].any():
             values = np.array(curve)
             values[own] *= factors[2:]
             made = made.with_effect(pair[0], tuple(values.tolist()))

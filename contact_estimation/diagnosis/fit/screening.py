@@ -190,11 +190,12 @@ class Screening:
         order = ranked_by(best, lambda name: best[name][0].foretold, prior)
         return {name: best[name] for name in order}
 
-    def composed(self, present: Model, pair: tuple[str, str]) -> Model:
-        """Return the likeliest start of two laws that act on each other, beside a model."""
-        starts = compose(present, pair, self.scales, lambda model: self._straight(
+    def composed(self) -> list[Model]:
+        """Return the nominal model with two laws that act on each other, each at its best."""
+        each = compose(self.base.model, self.names, self.scales, lambda model: self._straight(
             model, model.coordinates))
-        return ranked_by(starts, lambda one: self._cost(one.residuals))[0].model
+        return [ranked_by(starts, lambda one: self._cost(one.residuals))[0].model
+                for starts in each]
 
     def _step(
         self, present: Model, start: _Start, here: Array, columns: Array, basis: Array

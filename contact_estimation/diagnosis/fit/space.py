@@ -15,7 +15,6 @@ from typing import Callable, Mapping, Sequence, TypeVar
 
 import numpy as np
 
-from .compositions import pairs_of
 from .constants import CONSTANTS
 from .discrepancy import CHANNELS, force_of_motion, weighed
 from .evidence import Evidence, prior, ranked, Scored, ZEROS
@@ -230,10 +229,8 @@ class ContactModels:
 
     def compositions(self) -> list[Scored]:
         """Fit the nominal model with each relaxation of each elastic law."""
-        base = self._base.model
-        recordings = self.weighed(base)
-        begun = [fit(recordings, self._screening.composed(base, pair), _LONGER)
-                 for pair in pairs_of(candidates_in(recordings, base))]
+        recordings = self.weighed(self._base.model)
+        begun = [fit(recordings, model, _LONGER) for model in self._screening.composed()]
         nearest = ranked(begun, lambda one: one.cost)[:_SCORED]
         finished = [self._finished(one.model, _TO_THE_END) for one in nearest]
         return [one for one in finished if one is not None]
