@@ -68,10 +68,10 @@ DRIVE = (
     JointEffect(
         'force_bias', 'sensor_zero', 'tau += bias', (('bias', 'N m'),),
         lambda motion, j, _: (np.ones(len(motion.q)),)),
-    # Rotor and gears, which a robot description lacks.
+    # Rotor and gears: every drive has them, and no robot description.
     JointEffect(
         'reflected_inertia', 'inertia', "tau += I_r q''", (('I_r', 'kg m^2'),),
-        lambda motion, j, _: (motion.a[:, j],), possible=positive),
+        lambda motion, j, _: (motion.a[:, j],), possible=positive, laws=0),
     # Motor constant or gear ratio; published gains of one arm differ by 0.3.
     JointEffect(
         'force_gain', 'sensor_gain', 'tau += gain load', (('gain', '1'),),
