@@ -23,6 +23,7 @@ _PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'zero')
 """Groups that most joints have; others may be bent to hide a law that joints share."""
 
 _PAIR = ('dry_friction', 'viscous_friction')
+_WIDE = ('link', 'arm')  # places of laws that act in all joints
 _USUAL = ('coulomb_friction', 'viscous_friction', 'reflected_inertia', 'joint_spring')
 
 _TRIED, _STEPS, _ROUNDS = 4, 12, 3  # shared laws refined; steps in a joint; passes over joints
@@ -62,28 +63,27 @@ class ArmModels:
         self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
                        for j in gram.joints}
-        self._sharp = {j: min(term.shape for term in terms if term.effect == 'coulomb_friction')
+        self._usual = {j: {min(term for term in terms if term.effect == name) for name in _USUAL}
                        for j, terms in self._local.items()}
         counts: dict[str, set[Place]] = {}
         for term in every:
             counts.setdefault(term.effect, set()).add(term.place)
         self._places = {name: log(len(places)) for name, places in counts.items()}
-        self._seen = dict[Model, 'Scored | None']()
+        self._seen = dict[Model, Scored]()
         self._begin()
         self._plain = self.zeros
         for _ in range(2):
             self._plain = self._refined(self._plain)
-            left_out = self.gram.fit(self._plain).left_out
+            left_out = self._fitted(self._plain).found[1].left_out
             self.gram.set_weights(self.gram.weights_for(left_out))
             self._begin()
 
     def _begin(self) -> None:
         """Forget all fits, which had other weights of the joints."""
         self._seen.clear()
-        base = self._scored(self.zeros)
-        assert base is not None
         self._zero = Evidence(
-            base, np.zeros(len(self.gram.joints)), self.gram.floor, self.constants, white=False)
+            self._fitted(self.zeros), np.zeros(len(self.gram.joints)), self.gram.floor,
+            self.constants, white=False)
 
     def evidence(self) -> Evidence:
         """Return what models are compared against: the description, calibrated."""
@@ -95,10 +95,14 @@ class ArmModels:
         return -np.inf if scored is None else self._zero.score(scored)
 
     def _scored(self, model: Model) -> Scored | None:
+        """Return a fitted model; None if its values are not possible."""
+        one = self._fitted(model)
+        return one if all_possible(one.found[1].theta) else None
+
+    def _fitted(self, model: Model) -> Scored:
         """Fit a model, and let it predict the blocks that it was not fitted on."""
         if model not in self._seen:
-            found = self.gram.fit(model)
-            self._seen[model] = self.as_scored(model, found) if all_possible(found.theta) else None
+            self._seen[model] = self.as_scored(model, self.gram.fit(model))
         return self._seen[model]
 
     def as_scored(self, model: Model, found: Fitted) -> Scored:
@@ -158,10 +162,9 @@ class ArmModels:
         judge = JointJudge(self, model, k)
         mine = frozenset(judge.local)
         # Laws that lack together hide each other: from all usual ones, too, down to those needed.
-        usual = {term for term in self._local[j]
-                 if term.effect in _USUAL and not term.shape > self._sharp[j]}
+        full = mine.union(self._can_add(mine, self._usual[j]))
         scores = judge.scores(self._climb(judge, start, model - mine, self._local[j])
-                              for start in (mine, mine | frozenset(self._can_add(mine, usual))))
+                              for start in (mine, full))
         best = max(scores, key=lambda one: scores[one])
         return frozenset(model - mine | best)
 
@@ -210,27 +213,30 @@ class ArmModels:
         self._progress(', '.join(map(label, sorted(model & frozenset(self._shared)))) or 'joints')
         core = frozenset(term for term in model
                          if term in self.gram.shared or group_of(term)[0] in _PLAIN)
+        # Laws of several joints that lack together hide each other: from all usual ones, too.
+        full = core.union(*(self._can_add(core, usual) for usual in self._usual.values()))
         gains = []
         for term in self._can_add(model, self._shared):
-            starts = [self._possible(start | {term}) for start in (model, core)]
-            here, bare = (self._promise(wider) - self.score(start)
-                          for wider, start in zip(starts, (model, core)))
-            if max(here, bare) > -_NEAR:  # the laws of the joints are bent to do without it
-                gains.append((max(here, bare), starts[:1 + (bare > here)]))
+            starts = (model, core, full) if JOINT_EFFECTS[term.effect].place in _WIDE else (
+                model, core)
+            wider = [self._possible(start | {term}) for start in starts]
+            worth = [self._promise(one) - self._promise(start)
+                     for one, start in zip(wider, starts)]
+            best = int(np.argmax(worth))  # the laws of the joints are bent to do without it
+            if worth[best] > -_NEAR:
+                gains.append((worth[best], wider[:1] + wider[best:best + 1] * (best > 0)))
         gains.sort(key=lambda pair: -pair[0])
         return self._known([self._refined(start) for _, starts in gains[:_TRIED]
                             for start in starts])
 
     def _promise(self, model: Model) -> float:
         """Return the score of a model even if its values are not possible before refinement."""
-        score = self.score(model)
-        return score if np.isfinite(score) else self._zero.score(
-            self.as_scored(model, self.gram.fit(model)))
+        return self._zero.score(self._fitted(model))
 
     def _possible(self, model: Model) -> Model:
         """Drop laws of joints whose values are not possible: another law does what they did."""
         while self.score(model) == -np.inf:
-            theta = self.gram.fit(model).theta
+            theta = self._fitted(model).found[1].theta
             stand_in = {one for one in model - self._shared_laws - self.zeros
                         if not JOINT_EFFECTS[one.effect].possible(theta[one])}
             if not stand_in:
