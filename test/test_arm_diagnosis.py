@@ -194,6 +194,23 @@ def test_an_accumulator_is_named_and_no_unit_is_blamed() -> None:
     assert beyond == [('elastic_law', 1)], as_text(found)
 
 
+def test_a_heavy_tool_rotors_and_a_spring_are_named_together() -> None:
+    tool = [3.0, 0.6, 0.0, 0.0, 0.03, 0.0, 0.15, 0.0, 0.0, 0.15]
+    rotors = [ArmLaw('reflected_inertia', [I_r], j) for j, I_r in enumerate((1.5, 1.0, 0.15))]
+    laws = [ArmLaw('payload', tool, 2), ArmLaw('joint_spring', [60.0], 1), *rotors]
+    found = diagnose_arm(arm_recording(laws, seed=2), URDF)
+    beyond = {(one.name, one.term.place): one for one in found.effects if one.family != 'friction'}
+    assert set(beyond) == {(law.effect, law.place) for law in laws}, as_text(found)
+    assert beyond['payload', 2].parameters['mass'].value == pytest.approx(3.0, rel=0.05)
+
+
+def test_a_load_heavier_than_the_last_links_is_no_unit() -> None:
+    tool = [8.0, 1.6, 0.0, 0.0, 0.08, 0.0, 0.4, 0.0, 0.0, 0.4]
+    found = diagnose_arm(arm_recording([ArmLaw('payload', tool, 2)]), URDF)
+    assert not found.refused
+    assert [one.name for one in found.effects if one.family != 'friction'] == ['payload']
+
+
 def test_rests_without_the_ways_between_them_are_refused() -> None:
     t = motion().t
     rest = (t // 4.0).astype(int)

@@ -8,12 +8,12 @@ from itertools import chain, combinations
 from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment, nnls
+from scipy.optimize import linear_sum_assignment, lsq_linear, nnls
 
 from .arm_recording import ArmRecording, Array
 from .channels import Channels
 from ..checks.check import Check
-from ...kinematics.arm_dynamics import ArmDynamics
+from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
 
 _WELL = 0.5  # share of a torque's variance that a plain model leaves of a joint that is read right
 _IN_ORDER = 0.1  # the same of joints whose order is beyond doubt
@@ -21,6 +21,8 @@ _EXCHANGED = 4.0  # nats that an exchange gains in all: one of dozens that are t
 _HALF, _MOSTLY_READ = 0.5, 0.3  # of what is left without a load, and of a torque: its gain shows
 _ROWS = 300  # samples that tell a misreading
 _FOLD = 1.0  # nats of log error that another reading must gain in each joint
+# Most of a load, in the mass of the links (rated are 0.1 to 0.5), and of its centre's distance
+_CARRIES, _REACH_M = 0.5, 0.5
 _GAIN = 2.5  # published gains of one arm differ by half; a unit by at least so much
 _LOADED = 0.1  # of the largest modelled torque: a joint whose links tell its gain
 _LAG_S, _LAGS_S = 0.02, np.linspace(-0.2, 0.2, 41)  # told; tried
@@ -121,17 +123,35 @@ class Reading:
             other.q, self.outside)
         return other
 
+    def plain(self, k: int) -> list[Array]:
+        """Return friction, rotor, zero and spring of joint k."""
+        q, v = self.q[:, k], self.v[:, k]
+        return [np.tanh(v / (0.05 * self.channels.speed[k])), v, self.a[:, k],
+                np.ones(len(q)), np.sin(q), np.cos(q)]
+
     def fit(self, tau: Array, k: int, load: Array, free: bool = False) -> tuple[float, float]:
         """Return the log share of a torque that joint k leaves, and the gain of a `free` load."""
         # Friction never drives; a spring may be any.
-        q, v = self.q[:, k], self.v[:, k]
-        other = [np.ones(len(q)), np.sin(q), np.cos(q)]
-        X = np.stack([np.tanh(v / (0.05 * self.channels.speed[k])), v, self.a[:, k],
-                      *other, *(-x for x in other), load * free], axis=1)
+        plain = self.plain(k)
+        X = np.stack([*plain, *(-x for x in plain[-3:]), load * free], axis=1)
         scale = np.sqrt(np.mean(X**2, axis=0)) + 1e-12
         theta, rest = nnls(X / scale, tau - load * (not free))
-        return (float(np.log(rest**2 / (len(q) * (tau.var() + 1e-12)) + 1e-4)),
+        return (float(np.log(rest**2 / (len(tau) * (tau.var() + 1e-12)) + 1e-4)),
                 float(theta[-1] / scale[-1]))
+
+    def carrying(self) -> Array:
+        """Return the loads if the flange carries what fits, up to half of what moves."""
+        Y = self.arm.regressor(self.q, self.v, self.a)[..., -PER_LINK:][..., :4]
+        every = np.concatenate([Y, (self.tau - self.load)[..., None]], axis=2)
+        rows = []
+        for j in self.joints:
+            X = np.stack(self.plain(j), axis=1)
+            left = every[:, j] - X @ np.linalg.lstsq(X, every[:, j], rcond=None)[0]
+            rows.append(left / (self.tau[:, j].std() + 1e-12))
+        A, most = np.concatenate(rows), _CARRIES * float(self.arm.masses.sum())
+        carried = lsq_linear(A[:, :-1], A[:, -1], ([0.0, *3 * [-most * _REACH_M]],
+                                                   [most, *3 * [most * _REACH_M]])).x
+        return np.asarray(self.load + Y @ carried)
 
     def compared(self, j: int) -> str:
         """Return range of a joint's torque, and its correlation with that of the description."""
@@ -260,12 +280,14 @@ def check_reading(reading: Reading) -> list[Check]:
     """Refuse what another reading of signs, order, units or kind of torques explains best."""
     some = reading.thinned()
     right = some.errors()
-    best, found = float(right.sum()), None
-    if (right >= np.log(_IN_ORDER)).any():
-        for one in chain.from_iterable(tried(some, right) for tried in (
-                _flipped, _disordered, _exchanged, _mirrored, _lacking, _units)):
-            if one.errors.sum() + one.price < best:
-                best, found = float(one.errors.sum()) + one.price, one
+    # Outermost, a heavy load looks like torques of another unit.
+    best, found = min(float(right.sum()), float(some.errors(some.carrying()).sum())), None
+    # Friction, rotor and spring of a joint follow a torque of any unit.
+    ways = (_flipped, _disordered, _exchanged, _mirrored, _lacking, _units)
+    for one in chain.from_iterable(tried(some, right) for tried in (
+            ways if (right >= np.log(_IN_ORDER)).any() else ways[-1:])):
+        if one.errors.sum() + one.price < best:
+            best, found = float(one.errors.sum()) + one.price, one
     if found is not None:
         return [Check(found.check, False, found.text, fatal=True)]
     return [Check(name, True, text) for name, text in _READ.items()]
