@@ -214,11 +214,13 @@ def _plain_friction(
 
 def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> Check:
     """Say if the description carries a hand that the arm does not."""
+    gram = names.space.gram
     for one in effects:
         if one.name != 'payload':
             continue
-        mass = one.parameters['mass'].value
-        if mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
+        mass, most = one.parameters['mass'].value, gram.channels.arm.masses[one.term.place]
+        # More than the link has is no tool: another law is bent.
+        if -most <= mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
             return Check('tool', False, (
                 f'the description has {-mass:.2g} kg more at {one.link} than the arm: a '
                 'hand or a tool that is not mounted; remove its <inertial>, or mount it'))
