@@ -84,7 +84,7 @@ def _fitted(
         residuals(at(usual + one)) - here for one in np.eye(len(usual))[free]])
     # Of the triangle of a QR decomposition alone: many thousand residuals are a few.
     q, r = np.linalg.qr(columns)
-    change = lsq_linear(r, -(q.T @ here), (low[free], np.inf)).x
+    change = lsq_linear(r, -(q.T @ here), (low[free], np.inf), method='bvls').x
     found = usual.copy()
     found[free] += change
     return Composed(at(found), here + columns @ change)
