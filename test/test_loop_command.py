@@ -6,6 +6,7 @@
 import json
 from math import sin
 from pathlib import Path
+import re
 import signal
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.reference.experiment import Multisine, register_sequence
 from contact_estimation.reference.experiments import FORCE_EXCITATION
 from contact_estimation.ros.loop_processes import configure, LoopConfiguration, write_parameters
-from contact_estimation.ros.loop_run import plot_run, RecordedRun, summarise
+from contact_estimation.ros.loop_run import missing_estimates, plot_run, RecordedRun, summarise
 from layout_fields import CONFIG, of_foxglove, of_plotjuggler, RecordedFields
 import numpy as np
 import pytest
@@ -214,6 +215,18 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert summary['damping_error_percent'] == pytest.approx(10.0)
     assert summary['mean_force_n'] == 25.0
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
+
+
+@pytest.mark.parametrize('lost, heard, text', [
+    (3, True, ''), (401, False, 'the estimator used no sample'),
+    (3, False, 'each of 401 samples, of which the estimator answered 398; .*loop again')])
+def test_run_without_estimates_is_no_success(lost: int, heard: bool, text: str) -> None:
+    run = run_of(configure('sine'))
+    run.plant['samples_lost'] = lost
+    if not heard:
+        run.series['stiffness'] = np.empty((0, 2))
+    found = missing_estimates(run)
+    assert re.search(text, found) if text else found == ''
 
 
 def test_figure_shows_signals_estimates_and_true_values() -> None:

@@ -139,13 +139,13 @@ class Sensor(Listener):
     def __init__(self, reliability: Reliability = Reliability.RELIABLE, number: int = 0) -> None:
         super().__init__()
         qos = QoSProfile(depth=100, reliability=reliability)
-        self._wrenches = self.node.create_publisher(WrenchStamped, 'wrench', qos)
+        self.wrenches = self.node.create_publisher(WrenchStamped, 'wrench', qos)
         self.number = number
 
     def measure(self) -> None:
         """Publish the next one."""
         self.number += 1
-        self._wrenches.publish(wrench(self.number * PERIOD_NS, -1.0))
+        self.wrenches.publish(wrench(self.number * PERIOD_NS, -1.0))
 
     def measure_until_recorded(self, folder: Path, number: int = 1) -> None:
         """Publish until the file holds the wrench of that number or a later one."""
@@ -172,6 +172,20 @@ def test_killed_recorder_leaves_all_that_was_flushed(tmp_path: Path) -> None:
     flushed = {number * PERIOD_NS for number in range(first, last + 1)}
     assert flushed <= recorded_stamps(folder)
     assert RecordingReader(folder).truncated
+
+
+def test_recorder_with_patience_takes_the_wrench_once_it_can_hear_the_estimates(
+    tmp_path: Path
+) -> None:
+    sensor = Sensor()
+    joints = sensor.node.create_publisher(JointState, 'joint_states', 10)
+    with node_process(tmp_path / 'recorder', 'recorder_node', output=tmp_path / 'recording',
+                      patience_s=1e3):
+        wait_until(joints.get_subscription_count, 'the recorder')
+        assert sensor.wrenches.get_subscription_count() == 0
+        with node_process(tmp_path / 'estimator', 'estimator_node'):
+            wait_until(lambda: sensor.wrenches.get_subscription_count() == 2, 'both')
+    sensor.close()
 
 
 def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ from ..recordings.encoding import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
 from ..ros.loop_processes import (
     configure, LoopConfiguration, LoopProcesses, require_rclpy, write_parameters)
-from ..ros.loop_run import gap_explained, plot_run, read_run, summarise
+from ..ros.loop_run import (
+    gap_explained, missing_estimates, plot_run, read_run, RecordedRun, summarise)
 from ..watch.view import require_rerun, WEB, WINDOW
 
 _NICENESS, _VIEW_TIMEOUT_S = 10, 60.0  # of the view, which is slow on a busy machine
@@ -71,18 +72,15 @@ def run(options: Any) -> int:
         processes = LoopProcesses(output / 'parameters.yaml')
         failure = processes.run(configuration.duration, progress.show)
     progress.done()
-    if failure:
-        print(f'loop: {failure}', file=sys.stderr)
     try:
-        summary = _write_summary(configuration, output, recording, plant_summary)
+        data = read_run(recording, plant_summary)
     except RecordingError:
-        if failure:
-            return 1
-        raise
-    if not failure and summary['samples_lost'] == summary['samples_sent']:
-        failure = (
-            'the estimator used no sample; expected an estimate for each, see the rejected '
-            'samples in /diagnostics of the recording, and check joint and frame_id in --params')
+        if not failure:
+            raise
+    else:
+        _write_summary(data, configuration, output)
+        failure = failure or missing_estimates(data)
+    if failure:
         print(f'loop: {failure}', file=sys.stderr)
     return 1 if failure else 0
 
@@ -117,11 +115,8 @@ def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
         watcher.wait()
 
 
-def _write_summary(
-    configuration: LoopConfiguration, output: Path, recording: Path, plant_summary: Path
-) -> dict[str, Any]:
+def _write_summary(data: RecordedRun, configuration: LoopConfiguration, output: Path) -> None:
     """Write and print the summary of what was recorded."""
-    data = read_run(recording, plant_summary)
     summary = summarise(data, configuration)
     (output / 'summary.json').write_text(json.dumps(summary, indent=1) + '\n')
     figure = plot_run(data, _title(summary), configuration.plant.environment,
@@ -129,7 +124,6 @@ def _write_summary(
     (output / 'summary.png').write_bytes(as_png(figure))
     print(_as_text(summary))
     print(f'wrote summary.png, summary.json and recording/ in {output}')
-    return summary
 
 
 def _title(summary: Mapping[str, Any]) -> str:

@@ -114,10 +114,11 @@ def write_parameters(
 ) -> None:
     """Write the parameter file of all nodes."""
     estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
+    patience_s = 0.5 * plant.get('patience_s', PlantNodeParameters.patience_s)
     nodes = {
         'estimator_node': {**(_RELIABLY if plant.get('lockstep') else {}), **estimator},
         'plant_node': {**plant, 'summary_file': str(plant_summary or '')},
-        'recorder_node': {'output': str(recording)},
+        'recorder_node': {'output': str(recording), 'patience_s': patience_s},
     }
     path.write_text(parameter_sections(**nodes))
 

@@ -158,6 +158,20 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
     return reasons
 
 
+def missing_estimates(run: RecordedRun) -> str:
+    """Return why no estimate was recorded, and what to do; empty where there is one."""
+    sent, lost = run.plant.get('samples_sent'), run.plant.get('samples_lost')
+    if lost == sent:
+        return ('the estimator used no sample; expected an estimate for each, see the rejected '
+                'samples in /diagnostics of the recording, and check joint and frame_id in '
+                '--params')
+    if len(run.series['stiffness']):
+        return ''
+    return (f'no estimate was recorded; expected one for each of {sent} samples, of which the '
+            f'estimator answered {sent - lost}; the machine was too busy to connect the recorder '
+            'in time: run the loop again, or longer')
+
+
 def gap_explained(summary: Mapping[str, Any]) -> bool:
     """Return whether eq. (20) alone explains that the mean force is not the desired one."""
     mean, desired, law = (summary[name] for name in ('mean_force_n', 'desired_force_n',

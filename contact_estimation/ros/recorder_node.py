@@ -87,6 +87,10 @@ class RecorderParameters(ParameterGroup):
     estimator: str = parameter(
         'estimator_node', 'Name of the estimator node whose estimates are recorded',
         read_only=True)
+    patience_s: float = parameter(
+        0.0, 'Subscribe to the wrench only once the estimates can be received, or after this; a '
+        'plant that waits for subscribers then waits for these, too', 's', minimum=0.0,
+        read_only=True)
 
 
 def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
@@ -134,15 +138,21 @@ class RecorderNode(Node):
         self._data = RawSubscriptions(self)
         self._thread = DataThread(self._data, self._failed)
         self._matched = MatchedSubscriptions(self, self._data, self._thread.catch_up, _DEPTH)
+        self._estimates, self._give_up = [], time.monotonic() + own.patience_s
         for topic, (type_name, qos) in recorded_topics(own.estimator).items():
             record = self._recording(topic, type_name, qos)
-            if qos is None:
+            if topic == topics.WRENCH:
+                self._wrench: tuple[str, str, Callable[[bytes], None]] | None = (
+                    topic, type_name, record)
+            elif qos is None:
                 self._matched.add(topic, type_name, record)
             else:
-                self._data.subscribe(topic, type_name, qos, record)
-        self._matched.match()
+                subscription = self._data.subscribe(topic, type_name, qos, record)
+                if qos is _ESTIMATE_QOS:
+                    self._estimates.append(subscription)
+        self._match()
         steady = Clock(clock_type=ClockType.STEADY_TIME)  # a simulated clock may not have begun
-        self.create_timer(_MATCH_S, self._matched.match, clock=steady)
+        self.create_timer(_MATCH_S, self._match, clock=steady)
         self.create_timer(_FLUSH_S, self._flush, clock=steady)
 
     def start(self) -> None:
@@ -155,6 +165,15 @@ class RecorderNode(Node):
         if self._data.dedicated:
             self._data.take_all()
         self._writer.close()
+
+    def _match(self) -> None:
+        """Look for publishers; want the wrench when the estimates have theirs."""
+        if self._wrench is not None and (
+                time.monotonic() >= self._give_up
+                or all(one.get_publisher_count() for one in self._estimates)):
+            self._matched.add(*self._wrench)
+            self._wrench = None
+        self._matched.match()
 
     def _recording(
         self, topic: str, type_name: str, qos: QoSProfile | None
