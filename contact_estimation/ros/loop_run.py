@@ -160,7 +160,7 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
 
 def missing_estimates(run: RecordedRun) -> str:
     """Return why no estimate was recorded, and what to do; empty where there is one."""
-    sent, lost = run.plant.get('samples_sent'), run.plant.get('samples_lost')
+    sent, lost = (run.plant.get(name, 0) for name in ('samples_sent', 'samples_lost'))
     if lost == sent:
         return ('the estimator used no sample; expected an estimate for each, see the rejected '
                 'samples in /diagnostics of the recording, and check joint and frame_id in '

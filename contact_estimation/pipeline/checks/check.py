@@ -134,7 +134,6 @@ class AxisState(NamedTuple):
     period_s: float  # of the samples, 0 before it is known [s]
     has_rows: bool  # whether an estimator runs that is built for a sample rate
     misfit: str  # why no law fits
-    law: str = ''  # the most probable one if it leaves no more than noise
 
     @classmethod
     def of(cls, pipeline: Any) -> 'AxisState':
@@ -144,8 +143,7 @@ class AxisState(NamedTuple):
             surface.location, surface.margin, surface.shift, surface.std, surface.text,
             surface.is_shown, pipeline.contact, posterior.contact.state == NEITHER,
             posterior.known.valid, pipeline.bias, posterior.contact.measured_std,
-            posterior.period_s, pipeline.estimator is not None, pipeline.model_fit.now.text,
-            posterior.wall.law if posterior.known.fit <= 1.0 else '')
+            posterior.period_s, pipeline.estimator is not None, pipeline.model_fit.now.text)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .check import Array, BLOCKS, Check, Evidence, rate_of, white_noise_of
 
 _SIGNIFICANT = 40.0  # likelihood ratio
-_BETTER = 0.5  # share of the residual above the noise that the lag takes away
+_LEFT = 3.0  # variance that a lag leaves, over the noise's: 1.3 is seen, beside friction 4 or more
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
 _OF_PERIOD = 0.5  # of the joint states
@@ -38,9 +38,6 @@ _LEAST_CONTACT = 100  # samples
 _LEAST_MEANS = 20
 _WHITE = 1.05  # variance of the residual over the white noise's: above, a lag may be in it
 _NEIGHBOUR = 20.0  # likelihood ratio of a lag of 10 ms over none, from which one is searched too
-_NO_LAG = 'friction', 'hunt_crossley_1', 'hunt_crossley_1.5', 'hunt_crossley_2'
-"""Laws whose hysteresis a lag does not have: where one leaves no more than noise, it is none."""
-
 _NO_LAG_S = 5e-4  # half of the finest step
 
 
@@ -98,7 +95,7 @@ class _Skew(NamedTuple):
     over_mass: float = 0.0  # over a mass that moves with the wall
     over_physics: float = 0.0  # over the best other explanation
     mass: float = 0.0  # [kg], at least 0
-    excess_gone: float = 0.0  # share of the residual above the noise that the lag takes away
+    left: float = 0.0  # variance that it leaves, over that of the noise
 
 
 class _Means(NamedTuple):
@@ -138,8 +135,6 @@ def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | Non
     """
     if skew is None:
         return None, None
-    if seen.state.law in _NO_LAG and seen.state.valid:
-        return None, ''
     # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
     sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
     limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
@@ -148,7 +143,7 @@ def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | Non
         return None, ''
     # A lag that many others would replace is none: it takes the place of what is not modelled.
     if not (abs(skew.seconds) > limit and min(skew.gain, skew.sharpness) > _SIGNIFICANT
-            and skew.excess_gone > _BETTER and skew.over_physics > _OTHER_PHYSICS):
+            and skew.left < _LEFT and skew.over_physics > _OTHER_PHYSICS):
         return None, None
     seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
     return (skew if more <= 0 else None), None
@@ -194,7 +189,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     return _Skew(
         best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
         ratio(with_mass, least), ratio(_residual_with_physics(means, x, v), least), mass,
-        (none - least) / max(none - count * means.floor, 1e-3 * means.least))
+        least / (count * means.floor))
 
 
 def _noise(seen: Evidence) -> tuple[float, ...]:
