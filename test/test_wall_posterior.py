@@ -319,6 +319,18 @@ def test_noise_of_the_position_does_not_hide_the_damping_of_a_slow_press() -> No
     assert posterior.wall.law == 'kelvin_voigt'
 
 
+@pytest.mark.parametrize('F_c, position_noise', [(1.0, 5e-6), (3.0, 1e-5)])
+def test_noise_of_the_position_does_not_hide_the_sign_of_friction(
+    F_c: float, position_noise: float
+) -> None:
+    samples = contact(lambda d, v, a: K * d + B * v + F_c * np.tanh(v / 4e-4), 4.0, 0.004, 3e-4,
+                      noise=0.05, rate=1000.0, position_noise=position_noise)
+    posterior = fed(samples)
+    assert posterior.wall.law == 'friction'
+    assert within(posterior.known.stiffness, K, posterior.known.stiffness_std, 3.0)
+    assert abs(posterior.known.stiffness - K) < 0.01 * K
+
+
 @pytest.mark.parametrize('seed', [0, 1])
 def test_noise_of_the_force_in_a_hold_is_no_moving_wall(seed: int) -> None:
     draw, t = np.random.default_rng(seed), np.arange(0.0, 6.0, 0.002)

@@ -13,7 +13,8 @@ from .constants import JITTER_S, MODEL_ERROR, MODEL_ERROR_S
 from .contact import ContactFilter
 from .evidence import Scene
 from .laws import (
-    Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, Ints, POWERS, scales, UNKNOWNS)
+    Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, FRICTION, Ints, POWERS, scales,
+    SIGN, UNKNOWNS)
 from .slow_states import Knowledge
 
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
@@ -54,12 +55,16 @@ class Residuals:
     def weights(self, phi: Array, K: _Force, B: _Force) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
         force, smooth = phi[FORCE], self._blocks.smoothing
+        unknown = 0.0  # variance of friction at a rate of unknown sign [N^2]
         if self.best is not None:  # a curved wall is stiffer where it is deeper
-            law, _, scene = self.best
+            law, theta, scene = self.best
             depth = np.maximum(phi[DEPTH] / scene.depth, 0.0)
             stiffer, damped = depth ** POWERS[:, law]
             K, B = EXPONENT[law] * K * stiffer, B * damped
-        variance = (self.variance_of(force) + np.square(JITTER_S * phi[FORCE_RATE])
+            if law[0] == FRICTION:
+                unknown = theta[4] ** 2 * (1.0 - np.square(phi[SIGN])) * (
+                    MODEL_ERROR_S / self._blocks.period_s)
+        variance = (self.variance_of(force) + unknown + np.square(JITTER_S * phi[FORCE_RATE])
                     + self._blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
 

@@ -49,6 +49,7 @@ class Smoothing:
         second = second - second.mean()
         self._kernels = np.stack([
             mean / mean.sum(), first / (first @ t), second / (0.5 * second @ (t * t))])
+        self._variance_s2 = float(self._kernels[0] @ (t * t))  # of time within the kernel
         self.noise, self.rate_noise = np.square(self._kernels[:2]).sum(1).tolist()
         self._bands: dict[int, tuple[Array, Array, NDArray[np.bool_]]] = {}
 
@@ -109,12 +110,10 @@ class Smoothing:
         rate_noise = noise[0] * self.rate_noise
         if not touching and np.isfinite(v).all():
             phi[RATE], rate_noise = self._fused(phi[RATE], v @ mean, noise)
-        rate = np.empty_like(x)
-        rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
-        rate[0], rate[-1] = rate[1], rate[-2]
-        blur = sqrt(0.5 * noise[0]) / self.period_s
-        width = sqrt(0.5 * pi * (blur * blur + _SHARP * _SHARP))  # the slope of the error function
-        phi[SIGN] = (np.tanh(rate / width) * (inside > 0.0)) @ mean
+        # E[sgn v] of a rate with noise that changes within the window; erf is like tanh.
+        within = self._variance_s2 * np.square(phi[ACCELERATION])
+        width = np.sqrt(0.5 * pi * (rate_noise + _SHARP * _SHARP + within))
+        phi[SIGN] = np.tanh(phi[RATE] / width) * ((inside > 0.0) @ mean)
         if phi[RATE] @ phi[RATE] / windows < _MOVES * rate_noise:
             # The noise of a rate would bias what it multiplies; all windows together have less.
             middle = float(phi[RATE].mean())
