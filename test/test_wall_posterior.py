@@ -8,8 +8,10 @@ from contact_estimation.estimators.multiple_model import (
     CONTACT, FREE, lag_prior, LAWS, WallPosterior)
 from contact_estimation.estimators.multiple_model.contact import ContactFilter
 from contact_estimation.estimators.multiple_model.evidence import mixture, Wall
-from contact_estimation.estimators.multiple_model.laws import COLUMNS, ONE
+from contact_estimation.estimators.multiple_model.laws import (
+    COLUMNS, DEPTH, ONE, POWER, shifted_table, SQUARE)
 from contact_estimation.estimators.multiple_model.runs import in_doubt
+from contact_estimation.estimators.multiple_model.smoothing import Smoothing
 from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
@@ -285,6 +287,26 @@ def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     assert posterior.known.laws[LAWS.index(name)] > 0.5
     assert posterior.wall.law == name
     assert sum(posterior.known.laws) == pytest.approx(1.0)
+
+
+def test_columns_follow_another_reference_to_second_order() -> None:
+    smooth, delta = Smoothing(0.002), 3e-4
+    x = 2e-3 + 1e-3 * np.sin(0.04 * np.arange(smooth.length(25)))
+    before, after = (smooth.rows(x, x, np.full(len(x), nan), x0, (1e-12, 1e-12))
+                     for x0 in (0.0, delta))
+    moved = shifted_table(delta) @ before
+    assert moved[[DEPTH, SQUARE]] == pytest.approx(after[[DEPTH, SQUARE]], rel=1e-9)
+    assert moved[POWER] == pytest.approx(after[POWER], rel=1e-3)  # to first order 9e-3
+
+
+@pytest.mark.parametrize('seed', [1, 2])
+def test_a_curved_wall_is_seen_although_its_touch_is_felt_late(seed: int) -> None:
+    samples = contact(hunt_crossley(1.5), depth=0.002, shaken=6e-4, noise=0.3, rate=250.0,
+                      seed=seed)
+    posterior = fed(samples, WallPosterior(nan, 2e-3))
+    secant = K * (samples.depth[samples.t > 2.5].mean() / 0.008)**0.5
+    assert posterior.wall.law == 'hunt_crossley_1.5'
+    assert within(posterior.known.stiffness, secant, posterior.known.published_stds[0])
 
 
 def test_band_holds_the_secants_of_all_recent_depths() -> None:

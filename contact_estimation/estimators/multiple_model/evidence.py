@@ -110,7 +110,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 17, 17): one for each hypothesis
+    grams (N, 18, 18): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 

@@ -17,8 +17,8 @@ from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
-    ACCELERATION, Array, CURVED, DEEP, FORCE, IMPARTIAL, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING,
-    NAMES, POWERS, RATE)
+    ACCELERATION, Array, CURVED, DEEP, EXPONENT, FORCE, IMPARTIAL, Ints, KELVIN_VOIGT, LOG_PRIOR,
+    MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
 from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
@@ -133,9 +133,10 @@ class WallInference:
 
     def _is_far_from_curve(self, place: float) -> bool:
         """Return whether a curved law leads, whose columns are of no use from a place on [m]."""
-        sums = self._sums
-        return bool(CURVED[int(np.argmax(self.known.laws))]) and (
-            abs(place - sums.x0) > NEAR_DEPTH * sums.depth)
+        sums, law = self._sums, int(np.argmax(self.known.laws))
+        unfelt = min(self._unfelt / (self.known.stiffness * sums.depth), 1.0)
+        late = unfelt ** (1.0 / EXPONENT[law])  # of the depth: a soft beginning
+        return bool(CURVED[law]) and abs(place - sums.x0) > (NEAR_DEPTH + late) * sums.depth
 
     def _has_come_back(self, free_s: float, onset: float) -> bool:
         """Return whether a wall that the tool has left would be felt again at a place [s, m]."""
@@ -327,7 +328,7 @@ class WallInference:
             self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
-        self._follow_surface()
+        self._follow_surface(weights, judged, what.law, scene)
 
     def _note_change(self, before: Replaced) -> None:
         """Keep the wall before a change if it is the first of the contact, or of its release."""
@@ -400,10 +401,14 @@ class WallInference:
             stiffness_std=K * known.stiffness_std, damping_std=B * known.damping_std,
             varies=self._varies(of_law))
 
-    def _follow_surface(self) -> None:
-        """Move the reference of the columns to the surface where that is known better."""
-        known, sums = self.known, self._sums
-        off = abs(known.surface - sums.x0)
-        if known.valid and off > max(2.0 * known.surface_std, EXACT_SURFACE_M) and (
-                known.surface_std < 0.3 * sums.depth):
-            sums.move_to(known.surface)
+    def _follow_surface(self, weights: Array, judged: Judged, laws: Ints, scene: Scene) -> None:
+        """Move the reference of the columns to the surface: of curved laws where one may be."""
+        surface, std = self.known.surface, self.known.surface_std if self.known.valid else inf
+        curved = weights * IMPARTIAL[laws] * CURVED[laws]
+        if curved.sum() > UNLIKELY:
+            (_, _, delta), (_, _, variance) = mixture(
+                curved / curved.sum(), walls(judged, laws, scene, ANYWHERE_M))
+            surface, std = scene.x0 + delta, sqrt(variance)
+        off = abs(surface - self._sums.x0)
+        if off > max(2.0 * std, EXACT_SURFACE_M) and std < NEAR_DEPTH * self._sums.depth:
+            self._sums.move_to(surface)

@@ -28,13 +28,13 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
- SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE) = range(17)
+ POWER_CURVE, SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE) = range(18)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
-S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviations of S0 y and S1 y,
-whose squares say how much of the scatter of depth and rate is noise."""
+S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviations of
+S0 y and S1 y, whose squares say how much of the scatter of depth and rate is noise."""
 
-COLUMNS = 17
-OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, SQUARE]
+COLUMNS = 18
+OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE]
 """Columns that are functions of the depth."""
 
 OF_RATE = [RATE, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE]
@@ -148,14 +148,15 @@ def shifted_table(delta: float) -> Array:
     """
     Return the matrix that moves the reference x0 of the columns.
 
-    (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, to first order for n = 1.5.
+    (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, else to second order.
 
     delta: how far into the wall [m]
-    Returns matrix (17, 17): new columns from old ones
+    Returns matrix (18, 18): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (
         (DEPTH, ONE, -delta), (SQUARE_RATE, RATE, -delta), (POWER, POWER_SLOPE, -delta),
+        (POWER, POWER_CURVE, 0.5 * delta * delta), (POWER_SLOPE, POWER_CURVE, -delta),
         (POWER_DAMPING, POWER_RATE, -delta), (SQUARE, DEPTH, -2.0 * delta),
         (SQUARE, ONE, delta * delta), (CUBE_RATE, SQUARE_RATE, -2.0 * delta),
         (CUBE_RATE, RATE, delta * delta),

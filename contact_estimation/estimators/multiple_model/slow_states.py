@@ -111,7 +111,7 @@ class MovingWall:
     log(1 + Q g_s) / 2. A step of K alike, g being the column of the depth.
 
     law: MOVING or DRIFTING
-    gram (17, 17): of all blocks
+    gram (18, 18): of all blocks
     walked: how far its surface may have come since it was at rest, by steps of one sign [m]
     """
 

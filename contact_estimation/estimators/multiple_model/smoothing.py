@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from .laws import (
     ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE, OF_RATE, ONE,
-    POWER, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE, SIGN, SQUARE, SQUARE_RATE,
-    TIMES_RATE)
+    POWER, POWER_CURVE, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE, SIGN, SQUARE,
+    SQUARE_RATE, TIMES_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
 _HOP_S = 0.004  # between windows: the standard deviation of the kernel, so that little is lost
 _SHARP = 3.2e-4  # deviation of a normal distribution whose sign is like tanh(v / 0.4 mm/s)
+_LEAST_ROOT = 0.3  # of the greatest depth: nearer to the touch a series in the shift is none
 _MOVES = 4.0  # times its noise, from which a mean square rate, or a mean, is motion
 
 
@@ -80,7 +81,7 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (17, N): the columns of `laws`, a row for each window
+        Returns phi (18, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
@@ -91,8 +92,9 @@ class Smoothing:
         root = np.sqrt(inside)
         power, square = inside * root, y * y
         signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
+                            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
                             square * y / 3.0, force])
-        smooth = (signals @ table).reshape(7, 3, windows)
+        smooth = (signals @ table).reshape(8, 3, windows)
         phi = np.zeros((COLUMNS, windows))
         phi[ONE] = (y > 0.0) @ mean if touching else 1.0
         phi[DEPTH:ACCELERATION + 1] = smooth[0]
@@ -101,8 +103,9 @@ class Smoothing:
         phi[POWER:POWER_RATE + 1] = smooth[2, :2]
         phi[POWER_DAMPING] = smooth[3, 1]
         phi[POWER_SLOPE] = smooth[4, 0]
-        phi[CUBE_RATE] = smooth[5, 1]
-        phi[FORCE:FORCE_RATE + 1] = smooth[6, :2]
+        phi[POWER_CURVE] = smooth[5, 0]
+        phi[CUBE_RATE] = smooth[6, 1]
+        phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
         phi[NOISE] = sqrt(noise[0] * self.noise)
         if any(column.any() for column in bent):
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]

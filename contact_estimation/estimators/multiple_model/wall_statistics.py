@@ -43,7 +43,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (17, 17): Gram matrix of all data before it
+    before (18, 18): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -66,7 +66,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (17, 17): of the data since the change
+        since (18, 18): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -77,7 +77,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (17, 17) of what seemed another wall."""
+        """Note another step, after data (18, 18) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -97,7 +97,7 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (17, 17): sum of the Gram matrices of all blocks, the older, the less
+    gram (18, 18): sum of the Gram matrices of all blocks, the older, the less
     walking, runs: the same of walls that move or drift, and since every time of a possible change
     odds: log odds of each law
     surfaces: where the surface may be
