@@ -64,7 +64,7 @@ def _fitted(
     is_bent = 'spring' in EFFECTS[pair[0]].changes  # K_e stays as it is
 
     def at(factors: Array) -> Model:
-        """Return the pair with the usual K_e, B_e and linear values of the curve multiplied."""
+        """Return the pair with multiples of the usual K_e, B_e and linear values of the curve."""
         K_e, B_e = scales.spring * factors[0], scales.damper * factors[1]
         made = present.at((K_e, B_e, *present.values[2:]))
         if is_bent or factors[2:].any():
@@ -74,9 +74,9 @@ def _fitted(
         return made.with_effect(pair[1], (share * K_e, *rate))
 
     usual = np.array([1.0, 0.0, *np.zeros(np.count_nonzero(own))])
-    low = np.array([_LEAST - 1.0, 0.0, *np.full(np.count_nonzero(own), -np.inf)])
-    specifications = own_specifications(EFFECTS[pair[0]])
-    low[2:][[one.minimum is not None for one, is_own in zip(specifications, own) if is_own]] = 0.0
+    low = np.array([_LEAST - 1.0, 0.0, *(
+        -np.inf if one.minimum is None else 0.0
+        for one, is_own in zip(own_specifications(EFFECTS[pair[0]]), own) if is_own)])
     free = np.ones(len(usual), bool)
     free[0] = not is_bent
     here = residuals(at(usual))
