@@ -114,19 +114,13 @@ class ContactLaw:
         return free
 
     def _resistance(self, t: Any, d: Any, v: Any, states: Any, m: Any) -> Any:
-        deflection = d
-        for effect, _ in self._deflections:
-            deflection = effect.deflection(t, deflection, m)
-        spring, damper = self.stiffness * deflection, self.damping * v
-        for effect, _ in self._springs:
-            spring = effect.spring(d, m)
+        spring, damper = self._spring(self.stiffness, t, d, m), self.damping * v
         for effect, _ in self._dampers:
             damper = effect.damper(d, v, self._exponent, m)
         resistance = spring + damper
         for effect, _ in self._carriers:
             resistance = effect.carried(d, spring, damper, m)
-        for effect, _ in self._elastics:
-            resistance = resistance + effect.elastic(d, m)
+        resistance = self._with_elastics(resistance, d, m)
         for effect, place in self._resistances:
             u, rate = self._relaxing(t, d, v, m) if effect.relaxes else (d, v)
             resistance = resistance + effect.resistance(t, u, rate, states[place], m)
@@ -137,18 +131,26 @@ class ContactLaw:
         if not self._bends:
             return d, v
         near = _NEAR * abs(d) + _LEAST_NEAR
-        below, above = (self._compression(t, there, m) for there in (d - near, d + near))
-        return self._compression(t, d, m), (above - below) / (2.0 * near) * v
+        below, here, above = (
+            self._with_elastics(self._spring(self._usual, t, there, m), there, m) / self._usual
+            for there in (d - near, d, d + near))
+        return here, (above - below) / (2.0 * near) * v
 
-    def _compression(self, t: Any, d: Any, m: Any) -> Any:
-        u = d
+    def _spring(self, stiffness: float, t: Any, d: Any, m: Any) -> Any:
+        """Return the force of the spring, or of what is in its place [N]."""
+        deflection = d
         for effect, _ in self._deflections:
-            u = effect.deflection(t, u, m)
+            deflection = effect.deflection(t, deflection, m)
+        spring = stiffness * deflection
         for effect, _ in self._springs:
-            u = effect.spring(d, m) / self._usual
+            spring = effect.spring(d, m)
+        return spring
+
+    def _with_elastics(self, force: Any, d: Any, m: Any) -> Any:
+        """Add the elastic forces beside the spring [N]."""
         for effect, _ in self._elastics:
-            u = u + effect.elastic(d, m) / self._usual
-        return u
+            force = force + effect.elastic(d, m)
+        return force
 
     def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
         """Return the resistance in contact without inertia [N]; parameters as `penetration`."""

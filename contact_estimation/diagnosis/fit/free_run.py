@@ -4,8 +4,9 @@
 """The free run of a model, from its command or, for a wall without a robot, the force."""
 
 from dataclasses import replace
+from functools import lru_cache
 import math
-from typing import Any, NamedTuple, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
@@ -125,13 +126,16 @@ def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     """Minimise the output error."""
     if not found.model.nominal.environment.unilateral:
         return _refine_wall(recordings, found)
-    runs = _free_runs(recordings, found.model)
-    if not all(_close(one, run, _CLOSE) for one, run in zip(recordings, runs)):
+    runs_of = lru_cache(maxsize=None)(lambda model: _free_runs(recordings, model))
+
+    def close(model: Model, bound: float) -> bool:
+        return all(_close(one, run, bound) for one, run in zip(recordings, runs_of(model)))
+
+    if not close(found.model, _CLOSE):
         return recordings, found
-    model = _least_output_error(recordings, found.model, runs)
+    model = _least_output_error(recordings, found.model, runs_of)
     refined = fit_at(recordings, model)
-    kept = refined.cost <= _ALIKE * found.cost and model.plausible() and all(
-        _close(one, run, _FOLLOWS) for one, run in zip(recordings, _free_runs(recordings, model)))
+    kept = refined.cost <= _ALIKE * found.cost and model.plausible() and close(model, _FOLLOWS)
     return recordings, refined if kept else found
 
 
@@ -144,11 +148,12 @@ def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     return [replace(recording, picard_rounds=1) for recording in recordings], found
 
 
-def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run]) -> Model:
-    """Search the values of least output error from those of a model with these free runs."""
+def _least_output_error(
+    recordings: Recordings, model: Model, runs_of: Callable[[Model], Sequence[Run]]
+) -> Model:
+    """Search the values of least output error from those of a model."""
     def errors(these: Array) -> Array:
-        there = model.with_free(these)
-        return _errors(recordings, runs if there == model else _free_runs(recordings, there))
+        return _errors(recordings, runs_of(model.with_free(these)))
 
     low, high = model.ranges
     search = SecantJacobian(errors, model.steps, high, _STEP)
