@@ -10,7 +10,8 @@ paths, and without pytest-xdist, everything runs in this process.
 """
 
 import os
-from pathlib import PurePath
+from pathlib import Path, PurePath
+import runpy
 import signal
 from typing import Any
 
@@ -22,6 +23,7 @@ os.environ.setdefault('OMP_NUM_THREADS', '1')
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+ROOT = Path(__file__).resolve().parent.parent
 STARTS_ROS = ('test_ros_', 'test_replay_node', 'test_loop_command')
 NICENESS = 5
 
@@ -71,3 +73,13 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Let computations give way to the ROS processes of another worker."""
     if in_worker() and not starts_ros(item.nodeid):
         os.setpriority(os.PRIO_PROCESS, 0, max(NICENESS, os.getpriority(os.PRIO_PROCESS, 0)))
+
+
+@pytest.fixture
+def setup_arguments(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Return what setup.py hands to setuptools."""
+    arguments: dict[str, Any] = {}
+    monkeypatch.setattr(pytest.importorskip('setuptools'), 'setup', arguments.update)
+    monkeypatch.chdir(ROOT)
+    runpy.run_path('setup.py')
+    return arguments

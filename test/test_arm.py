@@ -37,9 +37,8 @@ def run_once(every: int, split: bool) -> tuple[ContactSession, list[Result]]:
 def process(
     every: int, split: bool, estimation: Mapping[str, Any]
 ) -> tuple[ContactSession, list[Result]]:
-    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **estimation}))
-    session.describe(urdf())
-    inputs, results = MessageInputs(session), []
+    session, inputs = described(**estimation)
+    results = []
     for topic, _, raw in messages(every, split):
         take = inputs.process_wrench if topic == '/wrench' else inputs.process_motion
         results += take(raw)
@@ -82,39 +81,37 @@ def test_without_compensation_the_weight_is_taken_for_contact() -> None:
     assert abs(error) == pytest.approx(MASS * 9.80665 * 0.8, rel=0.3)
 
 
-def test_a_wrench_in_axes_of_the_base_is_turned_before_the_tool() -> None:
-    session = ContactSession(build(
-        EstimationParameters, {**PARAMETERS, 'force_sensor.axes': 'base'}))
-    session.describe(urdf())
+@pytest.mark.parametrize('parameters', [{'force_sensor.axes': 'base'}, {'force_sign': -1}])
+def test_axes_and_sign_of_a_wrench_are_corrected_before_the_tool(
+    parameters: dict[str, Any]
+) -> None:
+    session, _ = described(**parameters)
     assert session.arm is not None
     session.arm.use_sensor('sensor')
     first = instants()[0]
-    R = pose(list(first.q), 'sensor')[:3, :3]
+    R = pose(list(first.q), 'sensor')[:3, :3] if 'force_sign' not in parameters else -np.eye(3)
     session.add_motion(0, *first.q, *first.q_dot)
     (result,) = session.add_wrench(0, *(R @ first.wrench[:3]), *(R @ first.wrench[3:]))
     assert result.sample.force == pytest.approx(first.contact.force, abs=1e-9)
 
 
+def described(**parameters: Any) -> tuple[ContactSession, MessageInputs]:
+    """Return a session that knows the arm, with parameters besides the usual ones."""
+    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **parameters}))
+    session.describe(urdf())
+    return session, MessageInputs(session)
+
+
 @pytest.mark.parametrize('frame, hint', [
     ('left_tool0_controller', 'set force_sensor.frame to tool0'),
     ('panda_K', 'stiffness frame of Franka drivers'),
-    ('', 'UR drivers tool0, with force_sensor.axes: base')])
-def test_frames_of_common_drivers_are_explained(frame: str, hint: str) -> None:
-    session = ContactSession(build(EstimationParameters, PARAMETERS))
-    session.describe(urdf())
-    MessageInputs(session).process_wrench(wrench_bytes([0.0] * 3, frame_id=frame))
+    ('', 'UR drivers tool0, with force_sensor.axes: base'),
+    ('senser', "'senser'; did you mean 'sensor'")])
+def test_a_wrench_in_an_unknown_frame_is_refused_with_a_hint(frame: str, hint: str) -> None:
+    session, inputs = described()
+    inputs.process_wrench(wrench_bytes([0.0] * 3, frame_id=frame))
     assert hint in session.rejection_texts['wrench_frame_unknown']
-
-
-def test_an_opposite_force_sign_is_corrected_before_the_tool() -> None:
-    session = ContactSession(build(EstimationParameters, {**PARAMETERS, 'force_sign': -1}))
-    session.describe(urdf())
-    assert session.arm is not None
-    session.arm.use_sensor('sensor')
-    first = instants()[0]
-    session.add_motion(0, *first.q, *first.q_dot)
-    (result,) = session.add_wrench(0, *(-first.wrench))
-    assert result.sample.force == pytest.approx(first.contact.force, abs=1e-9)
+    assert session.rejected == {'wrench_frame_unknown': 1}
 
 
 def test_a_normal_of_the_tip_is_held_in_contact() -> None:
@@ -168,18 +165,14 @@ def test_velocity_that_is_not_reported_is_not_measured() -> None:
 
 
 def test_joints_that_never_come_are_named() -> None:
-    session = ContactSession(build(EstimationParameters, PARAMETERS))
-    session.describe(urdf())
-    inputs = MessageInputs(session)
+    session, inputs = described()
     for number in range(20):
         inputs.process_motion(joint_state_bytes(['elbow'], [0.0], stamp_ns=number))
     assert 'no joint state has shoulder, wrist' in session.rejection_texts['joint_lacking']
 
 
 def test_other_joints_on_the_topic_are_of_no_concern() -> None:
-    session = ContactSession(build(EstimationParameters, PARAMETERS))
-    session.describe(urdf())
-    inputs = MessageInputs(session)
+    session, inputs = described()
     inputs.process_motion(messages()[0][2])
     inputs.process_motion(joint_state_bytes(['finger_joint'], [0.0], stamp_ns=10**12))
     assert 'joint_states_joint_unknown' not in session.rejected
@@ -199,15 +192,6 @@ def test_messages_before_the_description_are_counted() -> None:
     for topic, _, raw in messages()[:4]:
         (inputs.process_wrench if topic == '/wrench' else inputs.process_motion)(raw)
     assert session.rejected == {'robot_description_missing': 4}
-
-
-def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
-    session = ContactSession(build(EstimationParameters, PARAMETERS))
-    session.describe(urdf())
-    inputs = MessageInputs(session)
-    inputs.process_wrench(wrench_bytes([0.0] * 3, frame_id='senser'))
-    assert "'senser'; did you mean 'sensor'" in session.rejection_texts['wrench_frame_unknown']
-    assert session.rejected == {'wrench_frame_unknown': 1}
 
 
 @pytest.mark.parametrize('changes, text', [

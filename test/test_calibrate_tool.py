@@ -31,13 +31,15 @@ pytest.importorskip('pinocchio')
 
 MASS, CENTRE = 1.2, np.array([0.01, -0.02, 0.06])
 FORCE_BIAS, TORQUE_BIAS = np.array([1.0, -2.0, 3.0]), np.array([0.1, 0.2, -0.3])
+NEGATIVE = 'estimator_node: {ros__parameters: {force_sign: -1}}'
+CONTROLLER = '/**: {ros__parameters: {force_sensor: {frame: tool0_controller}}}'
 POSES = np.random.default_rng(3).uniform(-2.0, 2.0, (12, 3))
 PERIOD_S, HOLD_S = 0.01, 0.8
 
 
 def write(
     path: Path, poses: Any, sign: float = 1.0, contact: Sequence[int] = (), moved: float = 1.0,
-    axes: str = 'sensor',
+    axes: str = 'sensor', mass: float = MASS,
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
     rng, order = np.random.default_rng(1), [2, 0, 1]
@@ -47,7 +49,7 @@ def write(
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])
             f = pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
-            F, T = MASS * f + FORCE_BIAS, np.cross(CENTRE, MASS * f) + TORQUE_BIAS
+            F, T = mass * f + FORCE_BIAS, np.cross(CENTRE, mass * f) + TORQUE_BIAS
             if number in contact:
                 F = F + [0.0, 0.0, -20.0]
             F, T = sign * (F + rng.normal(0, 0.1, 3)), sign * (T + rng.normal(0, 0.01, 3))
@@ -60,12 +62,13 @@ def write(
                 names, (moved * q[order]).tolist(), stamp_ns=stamp), stamp)
 
 
-def calibrate(folder: Path, *more: str) -> int:
-    """Run the command on the recording in a folder."""
+def calibrate(folder: Path, parameters: str = '') -> int:
+    """Run the command on the recording in a folder, and on parameters if given."""
     (folder / 'arm.urdf').write_text(urdf())
+    (folder / 'params.yaml').write_text(parameters)
     return main([str(folder / 'run.mcap'), '--robot-description', str(folder / 'arm.urdf'),
                  '--output', str(folder / 'tool.yaml'), '--json', str(folder / 'tool.json'),
-                 *more])
+                 *['--params', str(folder / 'params.yaml')] * bool(parameters)])
 
 
 def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path: Path) -> None:
@@ -84,55 +87,30 @@ def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path:
     assert written['tool']['centre'] == pytest.approx(found['centre_m']['value'], abs=1e-6)
 
 
-@pytest.mark.parametrize('options, message', [
-    ({'poses': [POSES[0]] * 12}, r'hardly varies .* gravity points along [xyz] and [xyz] of'),
-    ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, 'does not determine'),
-    ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
-    ({'poses': POSES, 'sign': -1.0}, r'change the sign of force_sign \(now 1\)'),
-    ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
-    ({'poses': POSES[:2]}, 'does not determine|at least 4')])
+@pytest.mark.parametrize('options, parameters, message', [
+    ({'poses': [POSES[0]] * 12}, '', r'hardly varies .* gravity points along [xyz] and [xyz] of'),
+    ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, '', 'does not determine'),
+    ({'poses': POSES, 'contact': range(7)}, '', 'the wrench is not that of a tool alone'),
+    ({'poses': POSES, 'sign': -1.0}, '', r'change the sign of force_sign \(now 1\)'),
+    ({'poses': POSES}, NEGATIVE, r'change the sign of force_sign \(now -1\)'),
+    ({'poses': POSES, 'moved': 57.3}, '', 'not that of a tool alone|no weight explains'),
+    ({'poses': POSES, 'mass': 0.0}, '', 'so the sensor carries no tool'),
+    ({'poses': POSES[:1]}, CONTROLLER, 'set force_sensor.frame to tool0'),
+    ({'poses': POSES[:2]}, '', 'does not determine|at least 4')])
 def test_refusal_says_what_is_wrong(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: dict[str, Any], message: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: dict[str, Any], parameters: str,
+    message: str,
 ) -> None:
     write(tmp_path / 'run.mcap', **options)
-    assert calibrate(tmp_path) == 1
+    assert calibrate(tmp_path, parameters) == 1
     assert re.search(message, capsys.readouterr().err)
-
-
-def test_a_sensor_without_a_tool_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(globals(), 'MASS', 0.0)
-    write(tmp_path / 'run.mcap', POSES)
-    assert calibrate(tmp_path) == 1
-    assert 'so the sensor carries no tool' in capsys.readouterr().err
 
 
 def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     write(tmp_path / 'run.mcap', POSES, sign=-1.0)
-    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
-    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
+    assert calibrate(tmp_path, NEGATIVE) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
-
-
-def test_wrong_force_sign_of_the_parameter_file_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path / 'run.mcap', POSES)
-    (tmp_path / 'params.yaml').write_text('estimator_node: {ros__parameters: {force_sign: -1}}')
-    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
-    assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
-
-
-def test_a_frame_of_a_driver_is_explained(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    write(tmp_path / 'run.mcap', POSES[:1])
-    (tmp_path / 'params.yaml').write_text(
-        '/**: {ros__parameters: {force_sensor: {frame: tool0_controller}}}')
-    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
-    assert 'set force_sensor.frame to tool0' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('recorded, given', [('base', 'sensor'), ('sensor', 'base')])
@@ -140,11 +118,9 @@ def test_axes_of_the_wrench_are_recognised_and_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], recorded: str, given: str
 ) -> None:
     write(tmp_path / 'run.mcap', POSES, axes=recorded)
-    params = tmp_path / 'params.yaml'
     for axes, code in ((given, 1), (recorded, 0)):
-        params.write_text('/**: {ros__parameters: {kinematics: {base: base_link}, '
-                          f'force_sensor: {{axes: {axes}}}}}}}')
-        assert calibrate(tmp_path, '--params', str(params)) == code
+        parameters = f'kinematics: {{base: base_link}}, force_sensor: {{axes: {axes}}}'
+        assert calibrate(tmp_path, f'/**: {{ros__parameters: {{{parameters}}}}}') == code
     assert re.search(f'expressed in axes of the {recorded}, where its weight of 1.2 kg .*'
                      f'force_sensor.axes: {recorded}', capsys.readouterr().err)
     found = json.loads((tmp_path / 'tool.json').read_text())

@@ -13,7 +13,7 @@ from contact_estimation.diagnosis.candidates import candidates, Reach, scaling_t
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.next_experiment import choose, reach_of
 from contact_estimation.diagnosis.result import Diagnosis
-from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
+from contact_estimation.exceptions import ContactEstimationError, ModelFileError
 from contact_estimation.reference.experiment import Experiment, PseudoRandomBinary, Segment
 from contact_estimation.reference.experiments import (
     experiment_named, experiment_text, EXPERIMENTS, read_experiment)
@@ -71,11 +71,6 @@ def test_cycle_repeats_the_motion_for_ever() -> None:
     cycle, once = experiment_named('sine').cyclic(), experiment_named('sine')
     for t in (0.0, 5.0, 7.0, 11.9):
         assert cycle.desired(1200.0 + t)[:3] == pytest.approx(once.desired(t)[:3], abs=1e-9)
-
-
-def test_unknown_experiment_names_the_nearest() -> None:
-    with pytest.raises(UnknownNameError, match="unknown experiment 'sin'; did you mean 'sine'"):
-        experiment_named('sin')
 
 
 def test_yaml_gives_the_experiment_written_in_python(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from itertools import combinations
 from math import nan
 import os
 from pathlib import Path
-from typing import Any, Iterator, Mapping
+from typing import Any, Callable, Iterator, Mapping
 
 from contact_estimation.commands import fleet as command_module
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
@@ -274,19 +274,23 @@ def test_page_says_what_changes_wears_and_differs() -> None:
     assert 'no contact' in page and 'broken' in page
 
 
+@pytest.fixture
+def refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Return what runs the command on a path with further options, where it must refuse."""
+    for package in ('distributed', 'pyarrow', 'matplotlib'):
+        pytest.importorskip(package)
+    model = write_model(tmp_path / 'model.yaml')
+    return lambda path, *options: Command('fleet', command_module.main, capfd).refusal(
+        path, '--nominal', model, '--output', tmp_path / 'out', *options)
+
+
 @pytest.mark.parametrize('options, text', [
     (['--jobs', '0'], '--jobs must be >= 1, got 0'),
     (['--group-by', 'run'], 'must have a group in parentheses')])
 def test_wrong_options_are_refused_in_one_line(
-    options: list[str], text: str, recordings: Path, tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
+    options: list[str], text: str, recordings: Path, refused: Callable[..., str]
 ) -> None:
-    for package in ('distributed', 'pyarrow', 'matplotlib'):
-        pytest.importorskip(package)
-    model = write_model(tmp_path / 'model.yaml')
-    fleet = Command('fleet', command_module.main, capfd)
-    assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
-                                 *options)
+    assert text in refused(recordings, *options)
 
 
 def test_an_estimate_that_lost_its_band_is_no_value_of_a_contact() -> None:
@@ -307,15 +311,11 @@ def test_an_estimate_that_lost_its_band_is_no_value_of_a_contact() -> None:
 
 
 def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(
-    recordings: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    recordings: Path, tmp_path: Path, refused: Callable[..., str]
 ) -> None:
-    for package in ('distributed', 'pyarrow', 'matplotlib'):
-        pytest.importorskip(package)
     model = write_model(tmp_path / 'model.yaml', physics={'coulomb_friction': {'F_c': 2.0}})
     (tmp_path / 'empty').mkdir()
-    fleet = Command('fleet', command_module.main, capfd)
-    refusal = fleet.refusal(tmp_path / 'empty', '--nominal', model, '--output', tmp_path / 'out')
-    assert 'no recording at' in refusal
+    assert 'no recording at' in refused(tmp_path / 'empty')
     settings = Settings.of(read_model(model))
     outcome = process(str(recordings / 'run_2.mcap'), settings, False).outcome
     assert (outcome['error'], outcome['report']['verdict']) == ('', 'consistent')
@@ -323,14 +323,8 @@ def test_a_nominal_model_with_physics_is_taken_as_by_diagnose(
 
 @pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_named(
-    recordings: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    recordings: Path, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip('distributed')
-    pytest.importorskip('pyarrow')
     monkeypatch.setattr('contact_estimation.scheduling._TIMEOUT_S', 0.5)
-    model = write_model(tmp_path / 'model.yaml')
-    fleet = Command('fleet', command_module.main, capfd)
-    message = fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
-                            '--scheduler', 'tcp://127.0.0.1:9')
-    assert 'no Dask scheduler answers at tcp://127.0.0.1:9' in message
+    assert 'no Dask scheduler answers at tcp://127.0.0.1:9' in refused(
+        recordings, '--scheduler', 'tcp://127.0.0.1:9')

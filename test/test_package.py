@@ -6,7 +6,6 @@ from importlib import import_module
 import os
 from pathlib import Path
 import re
-import runpy
 import subprocess
 import sys
 from typing import Any
@@ -42,16 +41,6 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 RUN_BY_USERS = {'ros2launch'}
-
-
-@pytest.fixture
-def setup_arguments(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Return what setup.py hands to setuptools."""
-    arguments: dict[str, Any] = {}
-    monkeypatch.setattr(pytest.importorskip('setuptools'), 'setup', arguments.update)
-    monkeypatch.chdir(ROOT)
-    runpy.run_path('setup.py')
-    return arguments
 
 
 def package_xml() -> ElementTree.Element:

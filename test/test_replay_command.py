@@ -6,8 +6,6 @@
 import json
 from math import isnan
 from pathlib import Path
-import subprocess
-import sys
 
 import contact_estimation as ce
 from contact_estimation.commands import replay
@@ -147,12 +145,6 @@ def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
     assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
 
 
-def test_missing_topic_is_named_with_the_available_ones(tmp_path: Path, command: Command) -> None:
-    path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
-    line = command.refusal(path)
-    assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
-
-
 @pytest.mark.parametrize('text, part', [
     ('estimator_node: [', 'cannot be read: '),
     ('estimator_node: 5', 'ros__parameters'),
@@ -165,14 +157,6 @@ def test_wrong_parameter_file_is_refused(
     file = tmp_path / 'parameters.yaml'
     file.write_text(text)
     assert part in command.refusal(recording, '--params', file)
-
-
-def test_process_prints_one_line_and_no_traceback(tmp_path: Path) -> None:
-    run = subprocess.run(
-        [sys.executable, '-m', 'contact_estimation.commands.replay', 'nowhere.mcap'],
-        capture_output=True, text=True)
-    assert (run.returncode, run.stdout) == (1, '')
-    assert len(run.stderr.splitlines()) == 1
 
 
 def test_a_force_that_is_no_contact_is_said_with_its_reason(

@@ -130,21 +130,34 @@ def test_units_of_testing_machines_count(tmp_path: Path, names: str, units: str)
     assert signals['wrench.force.x'].tolist() == [3.0, 4.0]
 
 
-def test_units_below_the_names_count_beside_a_remark(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text(
-        'Time,Extension,Load,,10 mm/min\n(s),(mm),(N),,20 N preload\n'
-        '0.0,1.0,2.0,,\n0.1,2.0,3.0,,\n')
-    _, signals = signals_of_columns(read_columns(tmp_path / 'a.csv'), {}, (), 'a.csv')
-    assert signals['joint.x'].tolist() == [1e-3, 2e-3]
-    assert signals['wrench.force.x'].tolist() == [2.0, 3.0]
+FORCE, X = 'wrench.force.x', 'joint.x'
 
 
-def test_scale_and_counter_of_a_bench_have_units(tmp_path: Path) -> None:
-    text = 'Millis,Travel (mm),Force raw,Scale (grams)\n100,1.0,7,500\n133,2.0,8,1000\n'
-    found = read(tmp_path, text, columns={'wrench.force.x': '-4'})
-    assert found['t_ns'].tolist() == [100_000_000, 133_000_000]
-    assert found['joint.x'].tolist() == [1e-3, 2e-3]
-    assert found['wrench.force.x'] == pytest.approx([-4.903325, -9.80665])
+@pytest.mark.parametrize('text, options, expected', [
+    ('Time,Extension,Load,,10 mm/min\n(s),(mm),(N),,20 N preload\n0.0,1.0,2.0,,\n0.1,2.0,3.0,,\n',
+     {}, {X: [1e-3, 2e-3], FORCE: [2.0, 3.0]}),
+    ('Millis,Travel (mm),Force raw,Scale (grams)\n100,1.0,7,500\n133,2.0,8,1000\n',
+     {'columns': {FORCE: '-4'}},
+     {'t_ns': [100_000_000, 133_000_000], X: [1e-3, 2e-3], FORCE: [-4.903325, -9.80665]}),
+    ('Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n',
+     {'columns': {'t': 'Clock', X: '-Way', FORCE: 'Push [N]'}},
+     {X: [-1e-3, -2e-3], FORCE: [2.0, 3.0]}),
+    ('u,v,w\n1,-2,3\n1,-4,5\n',
+     {'units': ('mm', 'kN'), 'columns': {'t': '500Hz', FORCE: 'v', X: '-w'}},
+     {'t_ns': [0, 2_000_000], FORCE: [-2000.0, -4000.0], X: [-0.003, -0.005]}),
+    ('t,F,x (\xb5m)\n0,1,5\n0.1,2,6\n', {}, {X: [5e-6, 6e-6]}),
+    ('time,F,x\n23:59:59.9,1,0\n00:00:00.0,1,0\n00:00:00.1,1,0\n', {}, {'t': [0.0, 0.1, 0.2]}),
+    ('t,F,x\n0.0,1\n0.1,1,2,late\n0.2,1,3\n0.3,1,4\n', {}, {X: [np.nan, 2.0, 3.0, 4.0]}),
+], ids=['units beside a remark', 'scale and counter', 'chosen without unit', 'chosen with rate',
+        'old code page', 'past midnight', 'rows of another length'])
+def test_units_and_choices_count(
+    tmp_path: Path, text: str, options: dict[str, Any], expected: dict[str, Any]
+) -> None:
+    (tmp_path / 'a.csv').write_text(text, encoding='latin-1')
+    found = ce.read_table(tmp_path / 'a.csv', **options)
+    found['t'] = found['t'] - found['t'][0]
+    for name, values in expected.items():
+        np.testing.assert_allclose(found[name], values, atol=1e-9, err_msg=name)
 
 
 def test_settings_of_a_machine_are_no_names_and_a_chosen_column_no_other_signal(
@@ -157,13 +170,6 @@ def test_settings_of_a_machine_are_no_names_and_a_chosen_column_no_other_signal(
     _, found = signals_of_columns(
         read_columns(tmp_path / 'b.csv'), {'wrench.force.z': '-load'}, (), 'b.csv')
     assert set(found) == {'wrench.force.z', 'joint.x'}
-
-
-def test_a_column_may_be_chosen_without_its_unit(tmp_path: Path) -> None:
-    found = read(tmp_path, 'Clock,Way,Push\n(s),(mm),(N)\n0.0,1.0,2.0\n0.1,2.0,3.0\n', columns={
-        't': 'Clock', 'joint.x': '-Way', 'wrench.force.x': 'Push [N]'})
-    assert found['joint.x'].tolist() == [-1e-3, -2e-3]
-    assert found['wrench.force.x'].tolist() == [2.0, 3.0]
 
 
 def test_a_column_in_another_unit_is_another_signal(tmp_path: Path) -> None:
@@ -186,21 +192,6 @@ def test_text_of_any_ending_is_a_table(tmp_path: Path) -> None:
     (tmp_path / 'run.png').write_bytes(b'\x89PNG\r\n\x1a\n\0\0')
     with pytest.raises(ce.ContactEstimationError, match='is no MCAP file'):
         ce.read_table(tmp_path / 'run.png')
-
-
-def test_unit_of_an_old_code_page_counts(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('t,F,x (\xb5m)\n0,1,5\n0.1,2,6\n', encoding='latin-1')
-    np.testing.assert_allclose(ce.read_table(tmp_path / 'a.csv')['joint.x'], [5e-6, 6e-6])
-
-
-def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:
-    (tmp_path / 'a.csv').write_text('u,v,w\n1,-2,3\n1,-4,5\n')
-    found = ce.read_table(
-        tmp_path / 'a.csv', units=('mm', 'kN'),
-        columns={'t': '500Hz', 'wrench.force.z': 'v', 'joint.probe': '-w'})
-    assert found['t_ns'].tolist() == [0, 2_000_000]
-    assert found['wrench.force.z'].tolist() == [-2000.0, -4000.0]
-    np.testing.assert_allclose(found['joint.probe'], [-0.003, -0.005])
 
 
 def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
@@ -229,12 +220,6 @@ def test_decimals_durations_and_times_of_parquet_are_numbers(tmp_path: Path) -> 
     signals = ce.read_table(tmp_path / 'a.parquet', columns={'t': 't_ns'})
     assert signals['t'].tolist() == [0.0, 0.002]
     assert signals['wrench.force.z'].tolist() == [0.5, -1.25]
-
-
-def test_time_of_day_goes_on_after_midnight(tmp_path: Path) -> None:
-    rows = ''.join(f'{clock},1.0,0.1\n' for clock in ('23:59:59.9', '00:00:00.0', '00:00:00.1'))
-    steps = np.diff(read(tmp_path, f'time,F,x\n{rows}')['t'])
-    np.testing.assert_allclose(steps, 0.1, atol=1e-9)
 
 
 def test_objects_of_matlab_are_named(tmp_path: Path) -> None:
@@ -268,17 +253,14 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
     ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),
     ('t,F,x', {'columns': {'joint.x': 'y'}}, "joint.x=y: .*'t', 'F', 'x'"),
     ('t,F,x', {'columns': {'force': 'F'}}, "no signal 'force'; expected one of t, wrench"),
-    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other")])
+    ('t,F,x\n0,one,1\n1,two,1\n2,three,1', {}, "column 'F' .* must hold numbers, got 3 other"),
+    ('t,F,x\n,1,1\nNA,1,2\ninf,1,2\n', {}, "column 't' holds no time: .* t=500Hz"),
+    ('t,F,x\n0.0,nan,1\n0.1,nan,2\n', {}, "must hold finite numbers, .* 'F';")])
 def test_table_that_is_not_understood_says_how_to_choose(
     tmp_path: Path, header: str, options: Any, text: str
 ) -> None:
     with pytest.raises(ce.ContactEstimationError, match=text):
-        read(tmp_path, f'{header}\n{ROWS}', **options)
-
-
-def test_column_without_a_time_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ce.ContactEstimationError, match="column 't' holds no time: .* t=500Hz"):
-        read(tmp_path, 't,F,x\n,1,1\nNA,1,2\ninf,1,2\n')
+        read(tmp_path, header if header.endswith('\n') else f'{header}\n{ROWS}', **options)
 
 
 def test_time_without_a_unit_is_refused_where_seconds_cannot_be_meant(tmp_path: Path) -> None:
@@ -295,13 +277,3 @@ def test_columns_of_one_name_are_chosen_by_place(tmp_path: Path) -> None:
         ce.read_table(tmp_path / 'a.csv')
     found = ce.read_table(tmp_path / 'a.csv', columns={'joint.x': '-4'})
     assert found['joint.x'].tolist() == [-2.0, -4.0]
-
-
-def test_a_row_of_another_length_leaves_the_names(tmp_path: Path) -> None:
-    found = read(tmp_path, 't,F,x\n0.0,1\n0.1,1,2,late\n0.2,1,3\n0.3,1,4\n')
-    np.testing.assert_equal(found['joint.x'], [np.nan, 2.0, 3.0, 4.0])
-
-
-def test_signal_without_a_number_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ce.ContactEstimationError, match="must hold finite numbers, .* 'F';"):
-        read(tmp_path, 't,F,x\n0.0,nan,1\n0.1,nan,2\n')
