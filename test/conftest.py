@@ -83,3 +83,10 @@ def setup_arguments(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.chdir(ROOT)
     runpy.run_path('setup.py')
     return arguments
+
+
+@pytest.fixture
+def peer(shared: Any) -> Any:
+    """Return the peer that the tests of a module share, and its node, as new."""
+    shared.start_afresh()
+    return shared

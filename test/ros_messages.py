@@ -23,7 +23,7 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time  # noqa: E402,I100
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402,F401
-from geometry_msgs.msg import Vector3Stamped, WrenchStamped  # noqa: E402,F401
+from geometry_msgs.msg import PoseStamped, Vector3Stamped, WrenchStamped  # noqa: E402,F401
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import Float64, String  # noqa: E402,F401
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint  # noqa: E402

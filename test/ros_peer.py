@@ -13,12 +13,18 @@ from pathlib import Path
 import time
 from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
+from arm_contact import instants
+from contact_estimation.commands import replay
+from contact_estimation.pipeline.events import EstimationEvent
+from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402,I100
+from contact_estimation.ros.topics import EVENTS_QOS  # noqa: E402,I100
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped  # noqa: E402
 from rcl_interfaces.msg import SetParametersResult  # noqa: E402
 from rcl_interfaces.srv import DescribeParameters, GetParameters  # noqa: E402
@@ -242,6 +248,47 @@ class Peer(Listener):
         """Wait until so many rejected samples are counted under a reason."""
         key = f'rejected_{reason}'
         self.diagnosed(lambda _, values: values.get(key) == str(count), f'{count} {reason}')
+
+
+class ArmDrivers(Listener):
+    """Drivers of an arm, and what listens to the estimator node on it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.wrenches = self.node.create_publisher(WrenchStamped, 'wrench', 100)
+        for name in ESTIMATES:
+            self.listen(name, Vector3Stamped, f'estimator_node/{name}')
+        self.listen('events', String, 'estimator_node/events', EVENTS_QOS)
+
+    def kinds(self) -> list[str]:
+        """Return the events heard so far."""
+        events = self.heard['events'].values()
+        return [EstimationEvent.from_text(event.data).kind for event in events]
+
+    def send(self, instant: Any, stamp_ns: int) -> None:
+        """Publish one instant."""
+        raise NotImplementedError
+
+    def feed(self, begin_ns: int) -> int:
+        """Publish all instants, a window at a time; return the last stamp, once answered."""
+        truth = instants()
+        for first in range(0, len(truth), WINDOW):
+            for instant in truth[first:first + WINDOW]:
+                self.send(instant, begin_ns + instant.contact.stamp_ns)
+            last_ns = begin_ns + instant.contact.stamp_ns
+            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
+        return last_ns
+
+    def assert_replayed(self, bag: Path) -> None:
+        """Check that replay of a recording returns the damping that was published."""
+        again = bag.with_name('again.mcap')
+        assert replay.main([str(bag), '--output', str(again)]) == 0
+        decode = Vector3StampedDecoder().decode
+        listed = RecordingReader(again).messages(['/estimator_node/damping'])
+        values = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in listed)}
+        published = {stamp: m.vector.x for stamp, m in self.heard['damping'].items()}
+        first = min(published)  # the node may know a publisher before this peer hears the node
+        assert {stamp: x for stamp, x in values.items() if stamp >= first} == published
 
 
 def estimator_and_peer(folder: Path, wishes: bool = True, **parameters: Any) -> Iterator[Peer]:

@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import Any, Iterator
 
 from arm_contact import B_E, instants, JOINTS, K_E, NORMAL, PARAMETERS, pose, urdf
-from contact_estimation.commands import replay
-from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
-from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.decoding import Vector3StampedDecoder
+from contact_estimation.pipeline.events import DESCRIPTION
+from contact_estimation.ros.topics import DESCRIPTION_QOS
 import numpy as np
 import pytest
-from ros_listener import Listener
-from ros_messages import JointState, String, to_stamp, Vector3Stamped, WrenchStamped
-from ros_peer import ESTIMATES, WINDOW
+from ros_messages import JointState, PoseStamped, String, to_stamp, WrenchStamped
+from ros_peer import ArmDrivers
 from ros_processes import node_process
 
 pytest.importorskip('pinocchio')
@@ -24,28 +21,16 @@ pytestmark = pytest.mark.slow
 NODE = 'estimator_node'
 
 
-class ArmPeer(Listener):
+class ArmPeer(ArmDrivers):
     """Drivers, robot_state_publisher and user of the node on an arm."""
 
     def __init__(self) -> None:
-        from contact_estimation.ros.topics import DESCRIPTION_QOS, EVENTS_QOS
-        from geometry_msgs.msg import PoseStamped
-
         super().__init__()
-        publisher = self.node.create_publisher
-        self.wrenches = publisher(WrenchStamped, 'wrench', 100)
-        self.joints = publisher(JointState, 'joint_states', 100)
-        self.description = publisher(String, 'robot_description', DESCRIPTION_QOS)
-        for name in ESTIMATES:
-            self.listen(name, Vector3Stamped, f'{NODE}/{name}')
+        self.joints = self.node.create_publisher(JointState, 'joint_states', 100)
+        self.description = self.node.create_publisher(
+            String, 'robot_description', DESCRIPTION_QOS)
         self.listen('wrench', WrenchStamped, f'{NODE}/compensated_wrench')
         self.listen('pose', PoseStamped, f'{NODE}/target_pose')
-        self.listen('events', String, f'{NODE}/events', EVENTS_QOS)
-
-    def kinds(self) -> list[str]:
-        """Return the events heard so far."""
-        events = self.heard['events'].values()
-        return [EstimationEvent.from_text(event.data).kind for event in events]
 
     def meet(self) -> None:
         """Wait until the node hears this peer, and has the description."""
@@ -82,16 +67,12 @@ class ArmPeer(Listener):
         self.joints.publish(joints)
         self.wrenches.publish(wrench)
 
-    def feed(self, begin_ns: int) -> None:
-        """Publish all instants, a window at a time, and wait for what comes for the last."""
-        truth = instants()
-        for first in range(0, len(truth), WINDOW):
-            for instant in truth[first:first + WINDOW]:
-                self.send(instant, begin_ns + instant.contact.stamp_ns)
-            last_ns = begin_ns + instant.contact.stamp_ns
-            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
+    def feed(self, begin_ns: int) -> int:
+        """Publish all instants, and wait for what comes for the last."""
+        last_ns = super().feed(begin_ns)
         self.spin_until(lambda: last_ns in self.heard['wrench'], 'the last wrench')
         self.spin_until(lambda: max(self.heard['pose']) > last_ns, 'the last pose')
+        return last_ns
 
 
 @pytest.fixture(scope='module')
@@ -101,8 +82,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope='module')
 def run(folder: Path) -> Iterator[tuple[ArmPeer, int]]:
-    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
-    with node_process(folder, NODE, publish_target_pose=True, **named):
+    with node_process(folder, NODE, publish_target_pose=True, **PARAMETERS):
         peer = ArmPeer()
         try:
             begin_ns = 10**15
@@ -151,11 +131,4 @@ def test_target_is_the_measured_pose_with_the_normal_alone_replaced(
 def test_replay_of_its_recording_returns_what_the_node_published(
     run: tuple[ArmPeer, int], folder: Path
 ) -> None:
-    peer, _ = run
-    assert replay.main([str(folder / 'bag'), '--output', str(folder / 'again.mcap')]) == 0
-    decode = Vector3StampedDecoder().decode
-    messages = RecordingReader(folder / 'again.mcap').messages(['/estimator_node/damping'])
-    again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in messages)}
-    published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
-    first = min(published)  # the node may know the peer's wrenches before the peer hears it
-    assert {stamp: x for stamp, x in again.items() if stamp >= first} == published
+    run[0].assert_replayed(folder / 'bag')

@@ -73,12 +73,6 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
         tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0)
 
 
-@pytest.fixture
-def peer(shared: Peer) -> Peer:
-    shared.start_afresh()
-    return shared
-
-
 @pytest.mark.parametrize('reason, send', BAD, ids=[f'{k}-{v[0]}' for k, v in enumerate(BAD)])
 def test_bad_message_is_counted_and_changes_nothing(peer: Peer, reason: str, send: Send) -> None:
     before = peer.rejections().get(reason, 0)

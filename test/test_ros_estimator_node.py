@@ -27,12 +27,6 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
     yield from estimator_and_peer(tmp_path_factory.mktemp('estimator'))
 
 
-@pytest.fixture
-def peer(shared: Peer) -> Peer:
-    shared.start_afresh()
-    return shared
-
-
 def test_every_wrench_gets_estimates_with_its_stamp_and_nan_on_other_axes(peer: Peer) -> None:
     samples = moved(TOUCH, peer.begin_ns)
     peer.feed(samples)

@@ -15,7 +15,6 @@ from ros_processes import node_process
 pytestmark = pytest.mark.slow
 
 SAMPLES = instants(0.5)
-NAMED = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
 
 
 class AxesPeer(Peer):
@@ -44,19 +43,13 @@ class AxesPeer(Peer):
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AxesPeer]:
     with node_process(tmp_path_factory.mktemp('axes'), 'estimator_node', diagnostics_rate=10.0,
-                      **NAMED):
+                      **PARAMETERS):
         peer = AxesPeer()
         try:
             peer.meet()
             yield peer
         finally:
             peer.close()
-
-
-@pytest.fixture
-def peer(shared: AxesPeer) -> AxesPeer:
-    shared.start_afresh()
-    return shared
 
 
 def test_published_vectors_are_those_of_the_session_bit_for_bit(peer: AxesPeer) -> None:

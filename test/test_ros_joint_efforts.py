@@ -30,8 +30,7 @@ def test_node_estimates_from_joint_states_alone(tmp_path: Path) -> None:
     last = [one for _, raw in rows for one in inputs.process_motion(raw)][-1]
     (tmp_path / 'arm.urdf').write_text(described())
     given = parameters(robot_description_file=str(tmp_path / 'arm.urdf'))
-    named = {name.replace('.', '__'): value for name, value in given.items()}
-    with node_process(tmp_path, NODE, **named):
+    with node_process(tmp_path, NODE, **given):
         peer = Listener()
         try:
             joints = peer.node.create_publisher(JointState, 'joint_states', DEEP_QOS)

@@ -85,9 +85,8 @@ def test_headline_says_why_no_sample_can_be_used(
 def test_wrench_in_axes_of_the_base_is_the_headline(tmp_path: Path, peer: Peer) -> None:
     pytest.importorskip('pinocchio')
     (tmp_path / 'arm.urdf').write_text(urdf())
-    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
     with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, **{
-            **named, 'tool__mass': 0.0, 'sample_rate': 200.0,
+            **PARAMETERS, 'tool.mass': 0.0, 'sample_rate': 200.0,
             'robot_description_file': str(tmp_path / 'arm.urdf')}):
         numbers = count()
 

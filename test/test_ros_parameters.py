@@ -40,12 +40,6 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
     yield from estimator_and_peer(tmp_path_factory.mktemp('parameters'))
 
 
-@pytest.fixture
-def peer(shared: Peer) -> Peer:
-    shared.start_afresh()
-    return shared
-
-
 def other_value(spec: ParameterSpecification) -> Any:
     """Pick a valid value that is not the default."""
     default = spec.default

@@ -11,39 +11,26 @@ import sys
 from typing import Any
 
 from arm_contact import B_E, instants, K_E, MOVING, OF_TF, static_bytes, transform
-from contact_estimation.commands import replay
-from contact_estimation.pipeline.events import EstimationEvent
-from contact_estimation.recordings import RecordingReader
-from contact_estimation.recordings.decoding import Vector3StampedDecoder
-from contact_estimation.ros.topics import has_transforms, message_class
+from contact_estimation.ros.topics import has_transforms, message_class, TF_STATIC_QOS
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes
-from ros_listener import Listener
-from ros_messages import (
-    DiagnosticArray, DiagnosticStatus, joint_state, String, Vector3Stamped, wrench, WrenchStamped)
-from ros_peer import ESTIMATES, Peer, WINDOW
+from ros_messages import DiagnosticArray, DiagnosticStatus, joint_state, wrench
+from ros_peer import ArmDrivers, Peer
 from ros_processes import node_process, wait_until
 
 NODE = 'estimator_node'
-NAMED = {name.replace('.', '__'): value for name, value in OF_TF.items()}
 needs_tf = pytest.mark.skipif(
     not has_transforms(), reason='tf2_msgs is not installed; it is not on PyPI')
 
 
-class Robot(Listener):
+class Robot(ArmDrivers):
     """Drivers and robot_state_publisher, serialised independently of the package under test."""
 
     def __init__(self) -> None:
-        from contact_estimation.ros.topics import EVENTS_QOS, TF_STATIC_QOS
-
         super().__init__()
         publisher, TFMessage = self.node.create_publisher, message_class(TF)
-        self.wrenches = publisher(WrenchStamped, 'wrench', 100)
         self.transforms = publisher(TFMessage, '/tf', 100)
         self.static = publisher(TFMessage, '/tf_static', TF_STATIC_QOS)
-        for name in ESTIMATES:
-            self.listen(name, Vector3Stamped, f'{NODE}/{name}')
-        self.listen('events', String, f'{NODE}/events', EVENTS_QOS)
         self.listen('diagnostics', DiagnosticArray, '/diagnostics')
 
     def send(self, instant: Any, stamp_ns: int) -> None:
@@ -59,21 +46,12 @@ class Robot(Listener):
                    for message in self.heard['diagnostics'].values()
                    for status in message.status)
 
-    def feed(self, begin_ns: int) -> None:
-        """Publish all instants, a window at a time, and wait for what comes for the last."""
-        truth = instants()
-        for first in range(0, len(truth), WINDOW):
-            for instant in truth[first:first + WINDOW]:
-                self.send(instant, begin_ns + instant.contact.stamp_ns)
-            last_ns = begin_ns + instant.contact.stamp_ns
-            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
-
 
 @pytest.mark.slow
 @needs_tf
 def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path: Path) -> None:
     begin_ns, stamps = 10**15, iter(range(10**9, 10**12, 20_000_000))
-    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **NAMED):
+    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **OF_TF):
         robot = Robot()
         try:
             with node_process(tmp_path / 'r', 'recorder_node', output=str(tmp_path / 'bag')):
@@ -97,18 +75,11 @@ def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path
                 robot.feed(begin_ns)
         finally:
             robot.close()
-    kinds = [EstimationEvent.from_text(one.data).kind for one in robot.heard['events'].values()]
-    assert kinds == ['start', 'static_transforms', 'arm_ready']
+    assert robot.kinds() == ['start', 'static_transforms', 'arm_ready']
     last_ns = begin_ns + instants()[-1].contact.stamp_ns
     assert robot.heard['stiffness'][last_ns].vector.x == pytest.approx(K_E, rel=0.01)
     assert robot.heard['damping'][last_ns].vector.x == pytest.approx(B_E, rel=0.1)
-
-    assert replay.main([str(tmp_path / 'bag'), '--output', str(tmp_path / 'again.mcap')]) == 0
-    decode = Vector3StampedDecoder().decode
-    listed = RecordingReader(tmp_path / 'again.mcap').messages(['/estimator_node/damping'])
-    again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in listed)}
-    published = {stamp: one.vector.x for stamp, one in robot.heard['damping'].items()}
-    assert again == published
+    robot.assert_replayed(tmp_path / 'bag')
 
 
 pytest.importorskip('rerun')
