@@ -3,8 +3,10 @@
 
 """Messages as rosbags serialises them, the reference for this package's own CDR layouts."""
 
-from typing import Any, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Iterable, Mapping, Sequence
 
+from contact_estimation.recordings import RecordingWriter
 import numpy as np
 from rosbags.typesys import get_typestore, Stores
 
@@ -15,6 +17,9 @@ TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 TF = 'tf2_msgs/msg/TFMessage'
+TYPES = {'/joint_states': JOINTS, '/wrench': WRENCH, '/tf': TF, '/tf_static': TF,
+         '/estimator_node/events': STRING, '/robot_description': STRING}
+"""Of topics."""
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 _TYPES = {name.rsplit('/', 1)[-1]: cls for name, cls in STORE.types.items()}
@@ -83,3 +88,16 @@ def transforms_bytes(
             new('Quaternion', *map(float, pose[3:]))))
         for stamp_ns, parent, child, pose in transforms]
     return serialized(new('TFMessage', made), TF, little_endian)
+
+
+def write(
+    path: Path, listed: Iterable[tuple[str, int, bytes]],
+    metadata: Mapping[str, Mapping[str, str]] = {},
+) -> Path:
+    """Record messages, given by topic, stamp and content."""
+    with RecordingWriter.file(path) as writer:
+        for topic, stamp_ns, raw in listed:
+            writer.write(topic, TYPES[topic], raw, stamp_ns)
+        for name, values in metadata.items():
+            writer.write_metadata(name, values)
+    return path

@@ -25,16 +25,14 @@ from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.replay import RecordingReplay
 from contact_estimation.pipeline.session import ContactSession
-from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.source import RecordingSource
 import numpy as np
 import pytest
-from reference_messages import deserialized, JOINTS, STRING, TF, transforms_bytes, WRENCH
+from reference_messages import deserialized, TF, transforms_bytes, write
 from scipy.spatial.transform import Rotation
 
-TYPES = {'/joint_states': JOINTS, '/wrench': WRENCH, '/tf': TF, '/tf_static': TF,
-         '/estimator_node/events': STRING}
 Message = tuple[str, int, bytes]
 
 
@@ -69,13 +67,6 @@ class Live:
 
     def numbers(self) -> list[str]:
         return [repr(result.estimate) for result in self.results]
-
-
-def write(path: Path, listed: Iterable[Message]) -> Path:
-    with RecordingWriter.file(path) as writer:
-        for topic, stamp_ns, raw in listed:
-            writer.write(topic, TYPES[topic], raw, stamp_ns)
-    return path
 
 
 def replayed(path: Path) -> list[str]:

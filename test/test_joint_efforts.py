@@ -18,17 +18,15 @@ from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.joint_torques import Joints, JointTorques
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
-from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import encode_arm
 from effort_worlds import B_E, described, K_E, messages, model, motion, parameters, POINT
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+from reference_messages import write
 from run_commands import Command
 
 pytest.importorskip('pinocchio')
-
-JOINTS_TYPE = 'sensor_msgs/msg/JointState'
 
 
 def run(
@@ -117,10 +115,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = '\n'.join(f'    {name}: {value}' for name, value in parameters(
         robot_description_file=str(folder / 'arm.urdf')).items() if name != 'sample_rate')
     (folder / 'arm.yaml').write_text(f'/**:\n  ros__parameters:\n{rows}\n')
-    with RecordingWriter.file(folder / 'run.mcap') as writer:
-        for stamp_ns, raw in messages():
-            writer.write('joint_states', JOINTS_TYPE, raw, stamp_ns)
-    return folder / 'run.mcap'
+    return write(folder / 'run.mcap', [('/joint_states', *message) for message in messages()])
 
 
 def test_replay_gives_what_the_node_gives(

@@ -35,12 +35,6 @@ def positions_of(truths: list[Any]) -> NDArray[np.float64]:
     return np.array([truth.position for truth in truths])
 
 
-def assert_same_motion(physics: Any, **independent: Any) -> None:
-    """Compare the world with an effect to the independent integration, to 1e-7 m."""
-    got = positions_of(simulate(len(T), plant_with(physics)))
-    np.testing.assert_allclose(got, solve_contact(T, **independent), atol=1e-7, rtol=0.0)
-
-
 def test_free_robot_follows_the_closed_form_of_the_impedance() -> None:
     # Critically damped at 10 rad/s: x = x_r (1 - (1 + 10 t) exp(-10 t)).
     got = positions_of(simulate(500, plant_with(environment__location=1.0), hold, 0.0))
@@ -59,7 +53,8 @@ def test_bare_arm_under_a_constant_push_follows_the_closed_form() -> None:
 
 
 def test_contact_is_that_of_an_integration_with_events() -> None:
-    assert_same_motion(None)
+    got = positions_of(simulate(len(T), plant_with()))
+    np.testing.assert_allclose(got, solve_contact(T), atol=1e-7, rtol=0.0)
 
 
 @pytest.mark.parametrize('location', [0.0, 0.00123, -0.00271])
@@ -167,8 +162,6 @@ def test_sensor_s_physics_are_taken_out_of_the_force(name: str) -> None:
     assert np.max(np.abs(got - nominal)) < min(0.05 * swing, 0.5 * untold)
 
 
-TS = np.linspace(0.0, 1.398, 700)
-
 INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'robot_friction': lambda F_c: {
         'drive': lambda t, x, v: control(t, x, v) - F_c * np.tanh(v / 4e-4)},
@@ -194,7 +187,7 @@ def positions(name: str, integration_rate: float = 5e3, **values: Any) -> Any:
     """Simulate with an effect, or without where the name is empty, once; (N,) [m]."""
     make = partial(with_effect, name) if name else plant_with
     world = make(integration_rate=integration_rate, **values)
-    return np.array([truth.position for truth in simulate(len(TS), world)])
+    return np.array([truth.position for truth in simulate(len(T), world)])
 
 
 def test_every_effect_of_the_robot_is_compared() -> None:
@@ -205,27 +198,22 @@ def test_every_effect_of_the_robot_is_compared() -> None:
 def test_world_is_that_of_an_independent_integration() -> None:
     for name in INDEPENDENT:
         independent = {'law': spring_damper, **INDEPENDENT[name](*example_values(name))}
-        expected = solve_contact(TS, **independent)
+        expected = solve_contact(T, **independent)
         np.testing.assert_allclose(positions(name), expected, atol=2e-7, rtol=0.0, err_msg=name)
         assert np.max(np.abs(expected - positions(''))) > 1e-5, name
 
 
-def test_world_with_slow_drives_is_that_of_an_independent_integration() -> None:
-    tau, = example_values('actuator_lag')
-
+def slow_drives(tau: float) -> tuple[Any, list[float]]:
+    """Return the rates of x, v and the force of the drives, and their start."""
     def rates(t: float, s: list[float]) -> list[float]:
         acceleration = (s[2] - K_e * s[0] - B_e * s[1]) / M_t
         return [s[1], acceleration, (control(t, s[0], s[1]) - s[2]) / tau]
 
-    begin = [START, 0.0, control(0.0, START, 0.0)]
-    expected = solve_ivp(rates, (0.0, TS[-1]), begin, t_eval=TS, max_step=2e-3, **SMOOTH)
-    got = positions('actuator_lag', environment__unilateral=False)
-    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
-    assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
+    return rates, [START, 0.0, control(0.0, START, 0.0)]
 
 
-def test_world_with_a_joint_is_that_of_an_independent_integration() -> None:
-    compliance, share, ratio = example_values('joint_flexibility')
+def joint(compliance: float, share: float, ratio: float) -> tuple[Any, list[float]]:
+    """Return the rates of position and velocity of motor and link, and their start."""
     m, c = share * M_t, 2.0 * ratio * np.sqrt(share * M_t / compliance)
 
     def rates(t: float, s: list[float]) -> list[float]:
@@ -233,9 +221,17 @@ def test_world_with_a_joint_is_that_of_an_independent_integration() -> None:
         f = (x - y) / compliance + c * (v - w)
         return [v, (control(t, x, v) - f) / (M_t - m), w, (f - K_e * y - B_e * w) / m]
 
-    begin = [START, 0.0, START, 0.0]
-    expected = solve_ivp(rates, (0.0, TS[-1]), begin, t_eval=TS, max_step=2e-3, **SMOOTH)
-    got = positions('joint_flexibility', environment__unilateral=False)
+    return rates, [START, 0.0, START, 0.0]
+
+
+@pytest.mark.parametrize('name, independent', [
+    ('actuator_lag', slow_drives), ('joint_flexibility', joint)])
+def test_robot_with_states_is_that_of_an_independent_integration(
+    name: str, independent: Callable[..., tuple[Any, list[float]]]
+) -> None:
+    rates, begin = independent(*example_values(name))
+    expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions(name, environment__unilateral=False)
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
     assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
 

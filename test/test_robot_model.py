@@ -18,13 +18,12 @@ from contact_estimation.kinematics.robot_model import RobotModel
 from contact_estimation.kinematics.tool_load import (
     load_regressor, load_vector, specific_force, STANDARD_GRAVITY, ToolParameters)
 from contact_estimation.pipeline.events import DESCRIPTION, EstimationEvent
-from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.encoding import encode_string
 from contact_estimation.recordings.source import RECORD, to_metadata
 from contact_estimation.signals.joint_merging import JointMerger
 import numpy as np
 import pytest
-from reference_messages import JOINTS as RECORDED_JOINTS, STRING, WRENCH
+from reference_messages import write
 from scipy.spatial.transform import Rotation
 import yaml
 
@@ -155,22 +154,14 @@ def test_force_in_any_motion_is_that_of_a_point_mass_at_the_centre() -> None:
 
 
 pytest.importorskip('pinocchio')
-TYPES = {'/joint_states': RECORDED_JOINTS, '/wrench': WRENCH}
 
 
 def record(path: Path, every: int = 1, description: str = '', metadata: bool = False) -> Path:
-    with RecordingWriter.file(path) as writer:
-        for topic, stamp_ns, raw in messages(every):
-            writer.write(topic, TYPES[topic], raw, stamp_ns)
-        if description == 'topic':
-            writer.write('/robot_description', STRING, encode_string(urdf()), stamp_ns)
-        if description == 'event':
-            event = EstimationEvent(DESCRIPTION, 0, {'text': urdf()})
-            raw = encode_string(event.to_text())
-            writer.write('/estimator_node/events', STRING, raw, stamp_ns)
-        if metadata:
-            writer.write_metadata(RECORD, to_metadata(PARAMETERS))
-    return path
+    event = EstimationEvent(DESCRIPTION, 0, {'text': urdf()}).to_text()
+    described = {'topic': [('/robot_description', 10**12, encode_string(urdf()))],
+                 'event': [('/estimator_node/events', 10**12, encode_string(event))]}
+    return write(path, [*messages(every), *described.get(description, [])],
+                 {RECORD: to_metadata(PARAMETERS)} if metadata else {})
 
 
 def parameter_file(folder: Path) -> Path:
@@ -253,9 +244,7 @@ def test_diagnosis_takes_out_the_inertia_of_a_tool_of_known_mass(tmp_path: Path)
 
 
 def test_force_sign_turns_a_recording_of_one_axis(tmp_path: Path) -> None:
-    with RecordingWriter.file(tmp_path / 'a.mcap') as writer:
-        for topic, stamp_ns, raw in messages():
-            writer.write(topic, TYPES[topic], raw, stamp_ns)
+    record(tmp_path / 'a.mcap')
     forces = [read_recording(tmp_path / 'a.mcap', joint=name, parameters=given).signals.force
               for name, given in (('wrist', {}), ('wrist', {'force_sign': -1}))]
     np.testing.assert_array_equal(forces[0], -forces[1])

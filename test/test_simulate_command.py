@@ -15,10 +15,11 @@ from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
 from contact_estimation.recordings.source import RecordingSource
-from contact_estimation.recordings.writing import RecordingWriter
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+from reference_messages import write
+from run_commands import Command
 from scipy.signal import lsim
 import yaml
 
@@ -27,6 +28,11 @@ ATTACHED = {'stiffness': 1200.0, 'damping': 12.0, 'inertia': 0.6, 'unilateral': 
 SHORT = {'start': -0.01, 'segments': [
     {'duration': 0.4, 'position': 0.008}, {'duration': 0.3, 'position': -0.01},
 ]}
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str]) -> Command:
+    return Command('simulate', main, capfd)
 
 
 def model_file(folder: Path, **groups: Any) -> str:
@@ -59,13 +65,10 @@ def driven_recording(path: Path, force: Array, rate: float = 600.0) -> Array:
     """Record a force, with a position that rests; give the times."""
     t = np.arange(len(force)) / rate
     wrenches, joints = WrenchEncoder('sensor'), JointStateEncoder('', 'j', False)
-    with RecordingWriter.file(path) as writer:
-        for now, value in zip(t.tolist(), force.tolist()):
-            stamp = round(1e9 * now) + 5_000_000_000
-            writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped',
-                         wrenches.encode(stamp, value, 0.0, 0.0), stamp)
-            writer.write('/joint_states', 'sensor_msgs/msg/JointState',
-                         joints.encode(stamp, 0.0, 0.0), stamp)
+    stamps = [round(1e9 * now) + 5_000_000_000 for now in t.tolist()]
+    write(path, [message for stamp, value in zip(stamps, force.tolist()) for message in (
+        ('/wrench', stamp, wrenches.encode(stamp, value, 0.0, 0.0)),
+        ('/joint_states', stamp, joints.encode(stamp, 0.0, 0.0)))])
     return t
 
 
@@ -119,29 +122,27 @@ def test_attached_wall_is_that_of_a_linear_system_driven_straight_between_sample
     ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
     ({'environment': {'stiffness': -1.0}}, '(environment.unilateral: false) may have less')])
 def test_invalid_model_is_refused_with_a_hint(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], groups: dict[str, Any], text: str
+    tmp_path: Path, command: Command, groups: dict[str, Any], text: str
 ) -> None:
-    args = ['--model', model_file(tmp_path, **groups), '--experiment', 'sine']
-    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
-    error = capsys.readouterr().err
-    assert text in error and error.count('\n') == 1
+    assert text in command.refusal('--model', model_file(tmp_path, **groups), '--experiment',
+                                   'sine', '--output', tmp_path / 'a.mcap')
     assert not (tmp_path / 'a.mcap').exists()
 
 
 def test_recording_without_reference_is_refused_for_a_unilateral_wall(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, command: Command
 ) -> None:
     driven_recording(tmp_path / 'in.mcap', np.zeros(10))
-    args = ['--model', model_file(tmp_path, seed=1), '--like', str(tmp_path / 'in.mcap')]
-    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
-    assert 'has no reference_trajectory' in capsys.readouterr().err
+    assert 'has no reference_trajectory' in command.refusal(
+        '--model', model_file(tmp_path, seed=1), '--like', tmp_path / 'in.mcap', '--output',
+        tmp_path / 'a.mcap')
 
 
-def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_overwritten(tmp_path: Path, command: Command) -> None:
     (tmp_path / 'a.mcap').write_text('precious')
-    args = ['--model', model_file(tmp_path, seed=1), '--experiment', 'sine']
-    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
-    assert 'never overwritten' in capsys.readouterr().err
+    assert 'never overwritten' in command.refusal(
+        '--model', model_file(tmp_path, seed=1), '--experiment', 'sine', '--output',
+        tmp_path / 'a.mcap')
     assert (tmp_path / 'a.mcap').read_text() == 'precious'
 
 
