@@ -92,7 +92,7 @@ def transforms_bytes(
 
 def write(
     path: Path, listed: Iterable[tuple[str, int, bytes]],
-    metadata: Mapping[str, Mapping[str, str]] = {},
+    metadata: Mapping[str, dict[str, str]] = {},
 ) -> Path:
     """Record messages, given by topic, stamp and content."""
     with RecordingWriter.file(path) as writer:

@@ -66,26 +66,13 @@ _COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', '
 class Row(NamedTuple):
     """One diagnosed record."""
 
-    # name, source: of the record; '' without a known source
-    name: str
-    source: str
-    verdict: str  # '' after a failure
-    effects: Sequence[Mapping[str, Any]]  # as in the report
-    outcome: str  # one of CLASSES; '' where no truth is known
-    # recalibrated, corrected: held-out force errors, relative to the standard deviation of the
-    # force
-    recalibrated: float | None
-    corrected: float | None
-    error: str  # message of a failed diagnosis
+    cells: list[str]  # under `_COLUMNS`
     cpu_s: float  # processor time of the diagnosis [s]
 
 
 def as_markdown(rows: Sequence[Row]) -> str:
     """Format the table and its totals."""
-    return '\n'.join([markdown_table(_COLUMNS, (
-        [row.name, row.source, row.verdict.replace('_', ' ') or '-',
-         row.error or '; '.join(map(_name, row.effects)) or 'none', row.outcome or '-',
-         _errors(row), f'{row.cpu_s:.0f}'] for row in rows)), '', *_totals(rows)])
+    return '\n'.join([markdown_table(_COLUMNS, [row.cells for row in rows]), '', *_totals(rows)])
 
 
 def _name(effect: Mapping[str, Any]) -> str:
@@ -98,18 +85,13 @@ def _name(effect: Mapping[str, Any]) -> str:
     return f'`{effect["name"]}` {share:.{digits}f} %{interval}{beside}'
 
 
-def _errors(row: Row) -> str:
-    if row.recalibrated is None or row.corrected is None:
-        return '-'
-    return f'{100.0 * row.recalibrated:.3g} → {100.0 * row.corrected:.3g} %'
-
-
 def _totals(rows: Sequence[Row]) -> list[str]:
     """Count the classes, and sum up the processor time."""
-    scored = [row.outcome for row in rows if row.outcome]
-    counts = [f'{name} {scored.count(name)} ({100.0 * scored.count(name) / len(scored):.0f} %)'
-              for name in CLASSES if name in scored]
-    text = f'{len(rows)} records, {len(scored)} with a known truth'
+    outcomes = [row.cells[_COLUMNS.index('class')] for row in rows]
+    scored = len(outcomes) - outcomes.count('-')
+    counts = [f'{name} {outcomes.count(name)} ({100.0 * outcomes.count(name) / scored:.0f} %)'
+              for name in CLASSES if name in outcomes]
+    text = f'{len(rows)} records, {scored} with a known truth'
     return [f'{text}: {", ".join(counts)}.' if counts else f'{text}.',
             f'Processor time: {sum(row.cpu_s for row in rows):.0f} s.']
 
@@ -195,15 +177,17 @@ def row_of(record: Record) -> Row:
     answer = diagnosed(record.recording, '--nominal', str(record.nominal), *holdout)
     truth, found = record.truth or {}, answer.report or {}
     force = found.get('fit', {}).get('force_rmse_n', {})
-    std = float(np.nanstd(read_recording(
-        record.holdout or record.recording).signals.force)) if found else 1.0
-    recalibrated, corrected = (None if force.get(name) is None else force[name] / std
-                               for name in ('recalibrated', 'corrected'))
-    return Row(
+    before, after = (force.get(name) for name in ('recalibrated', 'corrected'))
+    errors = '-'
+    if before is not None and after is not None:
+        std = float(np.nanstd(read_recording(record.holdout or record.recording).signals.force))
+        errors = f'{100.0 * (before / std):.3g} → {100.0 * (after / std):.3g} %'
+    return Row([
         record.name, str(truth.get('source') or truth.get('source_repo') or ''),
-        str(found.get('verdict', '')), found.get('effects', []),
-        class_of(truth, answer.report) if record.truth is not None else '',
-        recalibrated, corrected, answer.error, answer.cpu_s)
+        str(found.get('verdict', '')).replace('_', ' ') or '-',
+        answer.error or '; '.join(map(_name, found.get('effects', []))) or 'none',
+        '-' if record.truth is None else class_of(truth, answer.report), errors,
+        f'{answer.cpu_s:.0f}'], answer.cpu_s)
 
 
 main = command(make_parser, run)

@@ -132,16 +132,21 @@ class TsujiDamping(ContactLaw):
     families = ('damping_law',)
     keeps_damper = False
 
+    @staticmethod
+    def shape(depth: float) -> float:
+        """Return the power of the depth."""
+        return sqrt(sqrt(depth))
+
     @classmethod
     def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        c = 2.0 * m.force / (m.speed * m.depth**0.25)
+        c = 2.0 * m.force / (m.speed * cls.shape(m.depth))
         return lambda s: {'c': s * c}
 
     def force(self, t: float, d: float, v: float) -> float:
-        return self.values.c * sqrt(sqrt(abs(d))) * v
+        return float(self.values.c * self.shape(abs(d)) * v)
 
 
-class KuwabaraKono(ContactLaw):
+class KuwabaraKono(TsujiDamping):
     """
     Damping proportional to the radius of the contact area.
 
@@ -150,19 +155,12 @@ class KuwabaraKono(ContactLaw):
     Review E 53(5), 1996.
     """
 
-    families = ('damping_law',)
-    keeps_damper = False
-
-    @classmethod
-    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        c = 2.0 * m.force / (m.speed * m.depth**0.5)
-        return lambda s: {'c': s * c}
-
-    def force(self, t: float, d: float, v: float) -> float:
-        return self.values.c * sqrt(abs(d)) * v
+    @staticmethod
+    def shape(depth: float) -> float:
+        return sqrt(depth)
 
 
-class JankowskiPounding(ContactLaw):
+class JankowskiPounding(KuwabaraKono):
     """
     Structures that collide lose energy while they approach, and none while they part.
 
@@ -170,17 +168,10 @@ class JankowskiPounding(ContactLaw):
     Jankowski, Earthquake Engineering and Structural Dynamics 34(6), 2005.
     """
 
-    families = ('damping_law',)
     stages = ('press',)
-    keeps_damper = False
-
-    @classmethod
-    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        c = 2.0 * m.force / (m.speed * sqrt(m.depth))
-        return lambda s: {'c': s * c}
 
     def force(self, t: float, d: float, v: float) -> float:
-        return self.values.c * sqrt(abs(d)) * max(v, 0.0)
+        return super().force(t, d, max(v, 0.0))
 
 
 class PowerLawDamper(ContactLaw):

@@ -159,22 +159,19 @@ class _Rigid:
         return force
 
 
-class _Flexible:
+class _Flexible(_Rigid):
     """A body in front of which a tip on a spring touches the wall."""
 
     def __init__(self, mass: float, tip: Compliance, contact: Contact, x: float) -> None:
-        self._mass, self._tip, self._contact = mass - tip.mass, tip, contact
-        self._x, self._v, self._a = x, 0.0, 0.0
+        super().__init__(mass - tip.mass, contact, x)
+        self._tip = tip
         self._y, self._w, self._b = x, 0.0, 0.0
 
     def middle(self, h: float) -> tuple[float, float]:
-        """Advance by half a step; see `_Rigid.middle`."""
-        self._x += 0.5 * h * self._v
         self._y += 0.5 * h * self._w
-        return self._x, self._v + 0.5 * h * self._a
+        return super().middle(h)
 
     def step(self, t: float, h: float, drive: float) -> float:
-        """Finish the step; see `_Rigid.step`."""
         tip, v, w = self._tip, self._v + 0.5 * h * self._a, self._w + 0.5 * h * self._b
         force = self._contact(t, self._y, w)
         spring = tip.stiffness * (self._x - self._y) + tip.damping * (v - w)

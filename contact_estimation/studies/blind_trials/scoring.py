@@ -10,7 +10,7 @@ world that obeys the library's laws the concealed effect alone, on a rig the eff
 
 from dataclasses import asdict, dataclass
 from statistics import median
-from typing import AbstractSet, Any, Mapping, NamedTuple, Sequence
+from typing import AbstractSet, Any, Mapping, Sequence
 
 from ...exceptions import RecordingError
 from ...physics import EFFECTS
@@ -158,39 +158,23 @@ PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
 """Edges of the five bins of the reliability table."""
 
 
-class Reliability(NamedTuple):
-    """One bin of the reliability table."""
+def reliability(scores: Sequence[Score]) -> list[dict[str, Any]]:
+    """
+    Compare reported probabilities with the share of right names, on rigs.
 
-    # low, high: range of the reported probability; the last bin includes its end
-    low: float
-    high: float
-    names: int  # number of names given with such a probability
-    mean: float | None  # mean probability given; None without names
-    share_right: float | None  # share of the names of an acceptable family
-
-
-def reliability(scores: Sequence[Score]) -> list[Reliability]:
-    """Compare reported probabilities with the share of right names, on rigs."""
+    Returns by bin: ends of its probabilities, number of names, mean probability given and share of
+    names of an acceptable family, None without names. The last bin includes its end.
+    """
     given = [(named.probability, named.right) for score in scores for named in score.names
              if score.kind in _ON_RIGS]
     table = []
     for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
         part = [(p, right) for p, right in given
                 if low <= p < high or p == high == PROBABILITY_EDGES[-1]]
-        count = len(part)
-        means = [sum(column) / count for column in zip(*part)] if part else [None, None]
-        table.append(Reliability(low, high, count, *means))
+        mean, right = [sum(column) / len(part) for column in zip(*part)] or [None, None]
+        table.append({'low': low, 'high': high, 'names': len(part), 'mean': mean,
+                      'share_right': right})
     return table
-
-
-def calibration_text(scores: Sequence[Score]) -> str:
-    """Format the reliability table."""
-    lines = ['probability given       names     mean    right']
-    for row in reliability(scores):
-        mean, right = ('-' if value is None else f'{value:.2f}'
-                       for value in (row.mean, row.share_right))
-        lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{mean:>8} {right:>8}')
-    return '\n'.join(lines)
 
 
 def outcomes(scores: Sequence[Score]) -> dict[str, int]:
@@ -217,7 +201,7 @@ def as_dict(scores: Sequence[Score], seeds: Sequence[int]) -> dict[str, Any]:
         'kinds': {kind: outcomes(part) for kind, part in _by_kind(scores).items()},
         'groups': {criterion: {label: outcomes(part) for label, part in parts.items()}
                    for criterion, parts in groups(scores).items()},
-        'reliability': [row._asdict() for row in reliability(scores)],
+        'reliability': reliability(scores),
         'trials': [asdict(score) for score in scores],
     }
 
@@ -238,7 +222,12 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
         for label, part in parts.items():
             counts = outcomes(part)
             lines.append(f'  {label:<30}' + ''.join(f'{counts[name]:>9}' for name in columns))
-    lines += ['', calibration_text(scores)]
+    lines += ['', 'probability given       names     mean    right']
+    for row in reliability(scores):
+        mean, right = ('-' if row[name] is None else f'{row[name]:.2f}'
+                       for name in ('mean', 'share_right'))
+        lines.append(f'  {row["low"]:.1f} to {row["high"]:.1f}{row["names"]:>18}{mean:>8} '
+                     f'{right:>8}')
     misses = [score for score in scores if score.is_miss]
     lines += ['', f'{len(misses)} misses; recordings in {folder}']
     lines += [_miss_line(score) for score in misses]
