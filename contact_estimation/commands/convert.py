@@ -12,8 +12,7 @@ from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv
 from ..recordings.columns import is_effort
-from ..recordings.source import canonical, RecordingSource, TOPICS
-from ..recordings.table_file import TYPES
+from ..recordings.source import canonical, RecordingSource, TOPICS, TYPES
 
 
 def make_parser() -> Parser:

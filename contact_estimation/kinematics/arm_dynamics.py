@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 
 from .description import joint_drives, link_masses
-from .robot_model import Array, parsed_urdf, pinocchio, with_locked
+from .robot_model import Array, links_of, parsed_urdf, pinocchio, with_locked
 from ..exceptions import ModelFileError, UnknownNameError
 
 PER_LINK = 10
@@ -52,13 +52,8 @@ class ArmDynamics:
                 raise UnknownNameError.among('joint of the robot description', joint, names)
         locked = [k for k in range(1, full.njoints)
                   if joints is not None and full.names[k] not in joints]
-        self.model = with_locked(pin, full, locked)
-        wide = [name for name, joint in zip(list(self.model.names)[1:],
-                                            list(self.model.joints)[1:]) if joint.nv != 1]
-        if wide:
-            raise ModelFileError(
-                f'each joint must have one degree of freedom, got {wide} with more; give the '
-                'description of the arm alone')
+        self.model = with_locked(
+            pin, full, locked, '', 'give the description of the arm alone')
         self.data = self.model.createData()
         self.joints = tuple(list(self.model.names)[1:])
         if not self.joints:
@@ -76,7 +71,7 @@ class ArmDynamics:
     @property
     def frames(self) -> list[str]:
         """Names of all links."""
-        return [one.name for one in self.model.frames if 'BODY' in str(one.type)]
+        return list(links_of(self.model))
 
     @property
     def masses(self) -> Array:
@@ -222,6 +217,5 @@ def _or_infinite(limit: Any) -> Array:
 
 def _moved_link(model: Any, joint: int) -> str:
     """Return the first link that a joint moves."""
-    return next((frame.name for frame in model.frames
-                 if 'BODY' in str(frame.type) and frame.parentJoint == joint),
-                model.names[joint])
+    return next((name for name, number in links_of(model).items()
+                 if model.frames[number].parentJoint == joint), model.names[joint])

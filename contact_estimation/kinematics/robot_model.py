@@ -51,16 +51,11 @@ class RobotModel:
                 'choose a tip beyond the joints of the arm')
         fixed = [joint for joint in range(1, model.njoints) if joint not in chain]
         self._full, self._chain = model, frozenset([*above_base, *chain])
-        self._model = with_locked(pin, model, fixed)
+        self._model = with_locked(
+            pin, model, fixed, f' between {base!r} and {tip!r}', 'choose another base or tip')
         self._data = self._model.createData()
         self.joint_names = tuple(self._model.names[1:])
-        joints = self._model.joints[1:]
-        if any(joint.nv != 1 for joint in joints):
-            wide = [name for name, joint in zip(self.joint_names, joints) if joint.nv != 1]
-            raise ModelFileError(
-                f'each joint between {base!r} and {tip!r} must have one degree of freedom, got '
-                f'{wide} with more; choose another base or tip')
-        self.continuous = tuple(joint.nq == 2 for joint in joints)
+        self.continuous = tuple(joint.nq == 2 for joint in self._model.joints[1:])
         self._neutral = pin.neutral(self._model) if any(self.continuous) else None
         self._frames: dict[str, int] = {}
         self._tip = self._place(tip)
@@ -75,7 +70,7 @@ class RobotModel:
     @property
     def links(self) -> frozenset[str]:
         """Names of all links of the description."""
-        return frozenset(_links(self._full))
+        return frozenset(links_of(self._full))
 
     @property
     def limits(self) -> dict[int, tuple[str, float, float]]:
@@ -170,27 +165,35 @@ def parsed_urdf(pin: Any, urdf: str) -> Any:
         ) from error
 
 
-def with_locked(pin: Any, model: Any, locked: Sequence[int]) -> Any:
-    """Lock joints at 0; a name of a link is then that of no other frame."""
-    links = _links(model)
+def with_locked(
+    pin: Any, model: Any, locked: Sequence[int], which: str, remedy: str
+) -> Any:
+    """Lock joints at 0, but those `which` move; a link's name is then that of no other frame."""
+    links = links_of(model)
     for number, frame in enumerate(model.frames):
         if links.get(frame.name, number) != number:
             frame.name += _JOINT
     for joint in locked:  # becomes a frame of its name
         if model.names[joint] in links:
             model.names[joint] += _JOINT
-    return pin.buildReducedModel(model, list(locked), pin.neutral(model))
+    reduced = pin.buildReducedModel(model, list(locked), pin.neutral(model))
+    wide = [name for name, joint in zip(list(reduced.names)[1:], list(reduced.joints)[1:])
+            if joint.nv != 1]
+    if wide:
+        raise ModelFileError(f'each joint{which} must have one degree of freedom, got {wide} with '
+                             f'more; {remedy}')
+    return reduced
 
 
 def _frame(model: Any, name: str) -> int:
     """Return the index of a link; a joint of the same name is another frame."""
-    links = _links(model)
+    links = links_of(model)
     if name not in links:
         raise UnknownNameError.among('link of the robot description', name, links)
     return links[name]
 
 
-def _links(model: Any) -> dict[str, int]:
+def links_of(model: Any) -> dict[str, int]:
     return {frame.name: number for number, frame in enumerate(model.frames)
             if 'BODY' in str(frame.type)}
 

@@ -209,7 +209,8 @@ def require_directions(f: Array) -> None:
     if spreads[1] >= _LEAST_SPREAD:
         return
     one_turn = spreads[0] >= _LEAST_SPREAD
-    missing = axes[2:] if one_turn else _across(mean)
+    # Else the two axes that are most nearly perpendicular to the mean.
+    missing = axes[2:] if one_turn else np.eye(3)[np.argsort(np.abs(mean))[:2]]
     undetermined = 'the centre of gravity' if one_turn else 'mass and centre of gravity'
     varies = f'varies only along {_text(axes[0])}' if one_turn else 'hardly varies'
     named = ' and '.join(dict.fromkeys(_text(each) for each in missing))
@@ -217,12 +218,6 @@ def require_directions(f: Array) -> None:
         f"gravity in the sensor's frame {varies} (mean direction {_text(mean, sign=True)}), which "
         f'does not determine {undetermined}; add poses in which gravity points along {named} of '
         'the sensor, either way: tilt the tool by 60 degrees or more towards each')
-
-
-def _across(mean: Array) -> Array:
-    """Return two axes of the sensor that are most nearly perpendicular to a direction."""
-    order = np.argsort(np.abs(mean))
-    return np.eye(3)[order[:2]]
 
 
 def _text(direction: Array, sign: bool = False) -> str:

@@ -17,8 +17,7 @@ from .world import Truth, World
 from ..physics.effect import Effect
 from ..physics.numeric import Array
 from ..recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
-from ..recordings.source import canonical
-from ..recordings.writing import RecordingWriter
+from ..recordings.writing import write_messages
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
 from ..signals.contact_sample import ContactRecording, ContactSample
@@ -121,28 +120,20 @@ def _measured(model: PlantParameters, truths: list[Truth]) -> Array:
     return np.array([sensors.measure(truth) for truth in truths]).T
 
 
-_WRENCH = 'geometry_msgs/msg/WrenchStamped'
-_JOINT_STATE = 'sensor_msgs/msg/JointState'
-_TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
-Entry = tuple[int, str, str, bytes]  # stamp, topic, type, message
-
-
 def write_simulation(
     path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
 ) -> None:
     """Write a simulation to an MCAP file."""
     setpoints = TrajectoryEncoder(frame_id, joint)
-    entries = [(stamp_ns, 'reference_trajectory', _TRAJECTORY, setpoints.encode(stamp_ns, *row))
-               for stamp_ns, row in zip(simulation.reference_ns.tolist(),
-                                        simulation.reference.T.tolist())]
-    entries += _samples(simulation, axis, joint, frame_id)
-    entries.sort(key=lambda entry: entry[0])
-    with RecordingWriter.file(path) as writer:
-        for stamp_ns, topic, type_name, data in entries:
-            writer.write(canonical(topic), type_name, data, stamp_ns)
+    references = [(stamp_ns, 'reference_trajectory', setpoints.encode(stamp_ns, *row))
+                  for stamp_ns, row in zip(simulation.reference_ns.tolist(),
+                                           simulation.reference.T.tolist())]
+    write_messages(path, [*references, *_samples(simulation, axis, joint, frame_id)])
 
 
-def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> Iterator[Entry]:
+def _samples(
+    simulation: Simulation, axis: str, joint: str, frame_id: str
+) -> Iterator[tuple[int, str, bytes]]:
     force, position, velocity = simulation.measured.tolist()
     published = all(v == v for v in velocity)
     wrenches = WrenchEncoder(frame_id)
@@ -151,5 +142,5 @@ def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> It
     for stamp_ns, F, x, v in zip(simulation.stamp_ns.tolist(), force, position, velocity):
         vector = [0.0, 0.0, 0.0]
         vector[place] = F
-        yield stamp_ns, 'joint_states', _JOINT_STATE, joints.encode(stamp_ns, x, v)
-        yield stamp_ns, 'wrench', _WRENCH, wrenches.encode(stamp_ns, *vector)
+        yield stamp_ns, 'joint_states', joints.encode(stamp_ns, x, v)
+        yield stamp_ns, 'wrench', wrenches.encode(stamp_ns, *vector)

@@ -13,8 +13,7 @@ import numpy as np
 from .cdr import NS_PER_S
 from .chunk_reader import RecordedMessage
 from .encoding import fresh_typestore, WrenchEncoder
-from .source import canonical, RecordingSource
-from .table_file import TYPES
+from .source import canonical, RecordingSource, TYPES
 from ..exceptions import MessageError, RecordingError
 
 Change = Callable[[bytes, int], bytes]  # of raw message and time of reception [ns]

@@ -16,8 +16,8 @@ from .columns import is_effort, is_key, KEYS
 from .decoding import decode_arm, ForceTorqueDecoder, JointsDecoder, TrajectoryDecoder
 from .reading import RecordingReader
 from .recorded_signals import gather
-from .source import canonical, RecordingSource
-from .table_file import FORCES, messages_of, RATES, require_a_table, TYPES
+from .source import canonical, RecordingSource, TYPES
+from .table_file import FORCES, messages_of, RATES, require_a_table
 from .writing import RecordingWriter
 from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
 

@@ -11,7 +11,10 @@ from typing import Any, Collection, Mapping
 from ..exceptions import RecordingError, UnknownNameError
 from ..texts import json_content
 
-_ROLES = ('wrench', 'joint_states', 'reference_trajectory')
+TYPES = {'wrench': 'geometry_msgs/msg/WrenchStamped', 'joint_states': 'sensor_msgs/msg/JointState',
+         'reference_trajectory': 'trajectory_msgs/msg/JointTrajectory'}
+"""Of messages, by the role of their topic."""
+
 _WITHOUT_SENSOR = (
     '; of an arm without a force sensor, set wrench_source to joint_efforts (--params)')
 
@@ -30,8 +33,9 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     there = ', '.join(f'{topic} ({types[topic]})' for topic in sorted(types)) or 'no topics'
     role = missing[0].rsplit('/', 1)[-1]
     likewise = ''
-    if role not in _ROLES:  # chosen with --topic for an unknown role
-        role, likewise = _ROLES[0], f' (likewise {", ".join(_ROLES[1:])})'
+    if role not in TYPES:  # chosen with --topic for an unknown role
+        role, *others = TYPES
+        likewise = f' (likewise {", ".join(others)})'
     unmeasured = role == 'wrench' and any('JointState' in kind for kind in types.values()) and (
         not any('Wrench' in kind for kind in types.values()))
     raise RecordingError(

@@ -18,7 +18,7 @@ from .chunk_reader import RecordedMessage
 from .columns import columns_of_signals, is_effort, signals_of_columns
 from .encoding import encode_arm, WrenchEncoder
 from .mcap_records import Summary
-from .source import canonical, RecordingSource
+from .source import canonical, RecordingSource, TYPES
 from .text_table import Columns, is_text, read_text
 from ..exceptions import MissingPackageError, RecordingError
 
@@ -164,8 +164,6 @@ _READERS: dict[str, Callable[[Path], Columns]] = {
 _BATCH = 5000  # rows
 FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')
 RATES = {'joint': ('velocity', 'effort'), 'reference': ('velocity', 'acceleration', 'effort')}
-TYPES = {'wrench': 'geometry_msgs/msg/WrenchStamped', 'joint_states': 'sensor_msgs/msg/JointState',
-         'reference_trajectory': 'trajectory_msgs/msg/JointTrajectory'}
 Rows = NDArray[np.float64]
 
 

@@ -4,16 +4,18 @@
 """Writing recordings, a rosbag2 folder or a single MCAP file, in chunks that survive a kill."""
 
 from contextlib import contextmanager
+from operator import itemgetter
 from pathlib import Path
 import threading
 from types import TracebackType
-from typing import Iterator
+from typing import Iterable, Iterator
 
 from mcap.writer import CompressionType, Writer
 import yaml
 
 from .bag_folder import bag_information, OfferedQos, RecordedTopic, write_bag_metadata
 from .encoding import message_definition
+from .source import canonical, TYPES
 from ..exceptions import RecordingError
 
 CHUNK_BYTES = 64 * 1024
@@ -204,3 +206,12 @@ def _exists(path: Path) -> RecordingError:
     """Explain that nothing is overwritten."""
     return RecordingError(
         f'{path} exists and recordings are never overwritten; choose another output or remove it')
+
+
+def write_messages(
+    path: Path, messages: Iterable[tuple[int, str, bytes]], transport_ns: int = 0
+) -> None:
+    """Write stamps [ns], topics by their role and messages, which are received a time later."""
+    with RecordingWriter.file(path) as writer:
+        for stamp_ns, role, data in sorted(messages, key=itemgetter(0)):
+            writer.write(canonical(role), TYPES[role], data, stamp_ns + transport_ns)

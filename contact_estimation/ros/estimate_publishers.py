@@ -4,6 +4,7 @@
 """Publishers of estimates and reference, which send serialised messages."""
 
 from math import nan
+from operator import attrgetter
 from typing import Any, Callable, Sequence
 
 from geometry_msgs.msg import PoseStamped
@@ -22,15 +23,9 @@ from ..recordings.encoding import (
     encode_float64, encode_string, TrajectoryEncoder, Vector3StampedEncoder, WrenchEncoder)
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
-    'stiffness': lambda estimate: estimate.stiffness,
-    'damping': lambda estimate: estimate.damping,
-}
+    name: attrgetter(name) for name in ('stiffness', 'damping')}
 _ON_DEMAND: dict[str, Callable[[Any], float]] = {
-    'stiffness_std': lambda estimate: estimate.stiffness_std,
-    'damping_std': lambda estimate: estimate.damping_std,
-    'location': lambda estimate: estimate.location,
-    'inertia': lambda estimate: estimate.inertia,
-}
+    name: attrgetter(name) for name in ('stiffness_std', 'damping_std', 'location', 'inertia')}
 
 
 class EstimatePublishers:

@@ -22,7 +22,7 @@ from ...plant.arm_models import arm_description, ARM_MODELS, PRESSING, TIP
 from ...plant.arm_simulation import ArmLaw, ArmSensors, Impedance, simulate_arm, SimulatedArm
 from ...plant.plant_parameters import WallParameters
 from ...recordings.encoding import encode_arm, WrenchEncoder
-from ...recordings.writing import RecordingWriter
+from ...recordings.writing import write_messages
 from ...reference.arm_excitation import ArmTrajectory, exciting_trajectory, pressing_motion
 
 Draw = Callable[['_Arm', np.random.Generator], ArmLaw]
@@ -246,17 +246,13 @@ def plan_arms(count: int, seeds: Sequence[int], pressing: bool = False) -> list[
 
 
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
-    """Write joint states as an .mcap file; the parameters are those of `SimulatedArm`."""
-    with RecordingWriter.file(path) as writer:
-        for t, q, v, tau in zip(states.t, states.q, states.v, states.tau):
-            stamp = round(1e9 * t)
-            writer.write('joint_states', 'sensor_msgs/msg/JointState',
-                         encode_arm(stamp, joints, q, v, tau), stamp)
-        encoder = WrenchEncoder(TIP)
-        for t, wrench in zip(states.t, states.wrench.tolist()):
-            stamp = round(1e9 * t)
-            writer.write('wrench', 'geometry_msgs/msg/WrenchStamped',
-                         encoder.encode(stamp, *wrench), stamp)
+    """Write joint states and wrenches as an .mcap file."""
+    encoder, stamps = WrenchEncoder(TIP), [round(1e9 * t) for t in states.t]
+    write_messages(path, [
+        *((stamp, 'joint_states', encode_arm(stamp, joints, *row))
+          for stamp, *row in zip(stamps, states.q, states.v, states.tau)),
+        *((stamp, 'wrench', encoder.encode(stamp, *wrench))
+          for stamp, wrench in zip(stamps, states.wrench.tolist()))])
 
 
 def scored(truth: Mapping[str, Any], answer: Mapping[str, Any], world: str) -> dict[str, Any]:

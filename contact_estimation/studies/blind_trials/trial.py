@@ -20,8 +20,8 @@ from .world import measure, Measurement, Run, World
 from ...parameter_files import parameter_sections
 from ...physics.prior import log_uniform, Values
 from ...plant.plant_parameters import RobotParameters, WallParameters
-from ...recordings import RecordingWriter
 from ...recordings.encoding import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ...recordings.writing import write_messages
 
 _MIN_CONTACT_S = 2.0
 _EXACT, _EXACT_CLEAN = 0.1, 0.4  # probability that K_e and B_e are those of the nominal model
@@ -166,17 +166,11 @@ def _write_recording(
     joint = JointStateEncoder('base', _JOINT, with_velocity)
     reference = TrajectoryEncoder('base', _JOINT)
     topics = (
-        (measurement.force, '/wrench', 'geometry_msgs/msg/WrenchStamped',
-         lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
-        (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
-         lambda stamp, motion: joint.encode(stamp, *motion)),
-        (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
+        (measurement.force, 'wrench', lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
+        (measurement.joint, 'joint_states', lambda stamp, motion: joint.encode(stamp, *motion)),
+        (measurement.reference, 'reference_trajectory',
          lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)))
-    messages = [
-        (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
-        for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
-        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())]
-    messages.sort(key=lambda message: message[0])
-    with RecordingWriter.file(path) as writer:
-        for stamp, topic, type_name, data in messages:
-            writer.write(topic, type_name, data, stamp + _TRANSPORT_NS)
+    write_messages(path, [
+        (_EPOCH_NS + stamp, role, encode(_EPOCH_NS + stamp, value))
+        for signal, role, encode in topics[:3 if with_reference else 2]
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())], _TRANSPORT_NS)
