@@ -56,11 +56,3 @@ def test_nothing_is_to_do_for_effect(name: str) -> None:
 def test_nothing_is_to_do_for_estimator(name: str) -> None:
     left = to_do_for_estimator(name)
     assert not left, '\n- '.join([f'still to do for {name}:', *left])
-
-
-def test_message_lists_every_place_of_a_new_effect(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(EFFECTS, 'toy_effect', EFFECTS['coulomb_friction'])
-    monkeypatch.setitem(globals(), 'config_files', lambda: {'estimator_node.yaml': 'toy_effect:'})
-    left = '\n'.join(to_do_for_effect('toy_effect'))
-    assert [place in left for place in (
-        'README.md', 'effect_formulas.py', 'WORLDS', 'write_config')] == [True] * 4

@@ -13,7 +13,7 @@ from contact_estimation.diagnosis.candidates import candidates, Reach, scaling_t
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.next_experiment import choose, reach_of
 from contact_estimation.diagnosis.result import Diagnosis
-from contact_estimation.exceptions import ContactEstimationError, ModelFileError
+from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.reference.experiment import Experiment, PseudoRandomBinary, Segment
 from contact_estimation.reference.experiments import (
     experiment_named, experiment_text, EXPERIMENTS, read_experiment)
@@ -81,11 +81,6 @@ def test_yaml_gives_the_experiment_written_in_python(tmp_path: Path) -> None:
         base = Experiment('b', -0.05, (Segment(1.0, -0.05), Segment(2.0, 0.01))).desired(t)
         assert wanted.force == pytest.approx(30.0 + 8.0 * sin(20.0 * t))
         assert wanted.position == pytest.approx(base.position + prbs.value(t))
-
-
-def test_missing_file_is_an_error_that_names_it(tmp_path: Path) -> None:
-    with pytest.raises(ModelFileError, match='none.yaml cannot be read: No such file'):
-        experiment_named(str(tmp_path / 'none.yaml'))
 
 
 @pytest.mark.parametrize('content, message', [

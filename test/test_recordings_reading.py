@@ -77,10 +77,14 @@ def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path: Path) -> None:
     assert numbers(RecordingReader(folder)) == [*range(10), *range(20)]
 
 
-def test_missing_and_empty_places_are_named(tmp_path: Path) -> None:
+def test_missing_empty_and_ambiguous_places_are_named(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='does not exist'):
         RecordingReader(tmp_path / 'nowhere')
     with pytest.raises(RecordingError, match='holds no recording: .* got nothing'):
+        RecordingReader(tmp_path)
+    for name in ('a.mcap', 'b.mcap', 'a.json'):
+        (tmp_path / name).touch()
+    with pytest.raises(RecordingError, match=r'several recordings \(a.mcap, b.mcap\)'):
         RecordingReader(tmp_path)
 
 
@@ -101,13 +105,6 @@ def test_joint_states_alone_may_be_of_an_arm_without_a_force_sensor(
     with pytest.raises(RecordingError) as error:
         require_topics(['/wrench'], types, 'it')
     assert ('set wrench_source to joint_efforts' in str(error.value)) == told
-
-
-def test_several_recordings_in_a_folder_are_named_without_its_other_files(tmp_path: Path) -> None:
-    for name in ('a.mcap', 'b.mcap', 'a.json'):
-        (tmp_path / name).touch()
-    with pytest.raises(RecordingError, match=r'several recordings \(a.mcap, b.mcap\)'):
-        RecordingReader(tmp_path)
 
 
 def test_reading_imports_neither_estimators_nor_rosbags() -> None:

@@ -100,14 +100,6 @@ def test_mcap_output_is_read_by_rosbags(recording: Path, tmp_path: Path, command
     assert all(isnan(vector.y) and isnan(vector.z) for vector in vectors)
 
 
-def test_existing_mcap_output_is_refused(
-    recording: Path, tmp_path: Path, command: Command
-) -> None:
-    (tmp_path / 'out.mcap').write_bytes(b'precious')
-    assert 'never overwritten' in command.refusal(recording, '--output', tmp_path / 'out.mcap')
-    assert (tmp_path / 'out.mcap').read_bytes() == b'precious'
-
-
 @pytest.mark.parametrize('name, content', [
     ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''),
     ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None)])
