@@ -20,7 +20,9 @@ from contact_estimation.recordings.decoding import decode_arm
 from contact_estimation.recordings.encoding import encode_arm
 from contact_estimation.reference.arm_excitation import exciting_trajectory
 from contact_estimation.studies.arm_models import (
-    ARMS, description_of, mujoco, mujoco_model, TIP as TOOL_TIP, TOOL_CENTRE, TOOL_MASS)
+    ARMS, description_of, mujoco, mujoco_arm, mujoco_model, TIP as TOOL_TIP, TOOL_CENTRE,
+    TOOL_MASS)
+from contact_estimation.studies.arm_simulation import ENGINE
 from contact_estimation.studies.arm_study import StudiedArm
 import numpy as np
 import pytest
@@ -203,11 +205,16 @@ def test_pose_and_jacobian_equal_those_of_mujoco(urdf: tuple[str, str]) -> None:
         np.testing.assert_allclose(np.concatenate([p_dot, omega]), J @ q_dot, atol=1e-9)
 
 
-def test_torques_of_links_equal_those_of_mujoco(urdf: tuple[str, str]) -> None:
-    arm, model = ArmDynamics(urdf[1]), mujoco_model(urdf[1], 1e-3)
-    model.jnt_limited[:] = 0
+@pytest.mark.parametrize('name', ENGINE.arms)
+def test_torques_of_links_equal_those_of_mujoco(name: str) -> None:
+    try:
+        urdf = ENGINE.arms[name]()
+        arm, rng = ArmDynamics(urdf), np.random.default_rng(0)
+        model = mujoco_arm(urdf, arm, 1e-3)
+    except MissingPackageError as error:
+        pytest.skip(str(error))
     data, dofs = mujoco().MjData(model), [model.joint(one).dofadr[0] for one in arm.joints]
-    q, v, a = np.random.default_rng(0).normal(size=(3, len(dofs)))
+    q, v, a = rng.normal(size=(3, len(dofs)))
     data.qpos[dofs], data.qvel[dofs], data.qacc[dofs] = q, v, a
     mujoco().mj_inverse(model, data)
     torque = arm.torque(q[None], v[None], a[None])[0]

@@ -1,19 +1,26 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Two public arms with a wrist sensor and a tool: their descriptions and MuJoCo models."""
+"""Two public arms with a wrist sensor and a tool, and the MuJoCo models of any arm."""
 
 from dataclasses import dataclass
 from pathlib import Path
 import sys
-from typing import Any
+from typing import Any, Sequence
 from xml.etree import ElementTree
 
+import numpy as np
+
 from ..exceptions import MissingPackageError
+from ..kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ..kinematics.robot_model import pinocchio
+from ..physics.numeric import Array
 
 SENSOR, TOOL, TIP = 'ft_sensor', 'tool', 'tool_tip'
 TOOL_MASS, TOOL_CENTRE = 1.2, (0.012, -0.018, 0.061)  # [kg], [m] in the sensor's frame
 _TOOL_INERTIA = (0.0022, 0.0024, 0.0011)  # about its centre [kg m^2]
+GEAR = '_gear'  # ends the name of a second joint, in which a gear yields
+_LIGHT = 1e-6  # [kg], [kg m^2]: MuJoCo requires an inertia of what lies between
 _SENSOR_RPY, _TIP_XYZ = (0.0, 0.0, 0.6), (0.0, 0.0, 0.17)
 
 
@@ -81,6 +88,48 @@ def mujoco_model(urdf: str, timestep: float) -> Any:
         spec.add_sensor(type=kind, name=name, objname=SENSOR, objtype=package.mjtObj.mjOBJ_SITE)
     spec.option.timestep = timestep
     return spec.compile()
+
+
+def mujoco_arm(urdf: str, arm: ArmDynamics, timestep: float, yielding: Sequence[int] = ()) -> Any:
+    """Build the MuJoCo model of a description with other links; `yielding` joints get a gear."""
+    mj, root = mujoco(), ElementTree.fromstring(urdf)
+    for j in yielding:
+        _add_gear(root, arm.joints[j])
+    compiler = ElementTree.SubElement(ElementTree.SubElement(root, 'mujoco'), 'compiler')
+    compiler.attrib.update(fusestatic='true', balanceinertia='true')
+    model = mj.MjModel.from_xml_string(ElementTree.tostring(root, encoding='unicode'))
+    for j, (name, theta) in enumerate(zip(arm.joints, arm.neutral.reshape(-1, PER_LINK))):
+        joint = model.joint(name + GEAR if j in yielding else name)
+        _set_inertia(mj, model, int(joint.bodyid[0]), theta)
+    model.jnt_limited[:] = 0
+    model.opt.timestep, model.opt.gravity[:] = timestep, arm.model.gravity.linear
+    model.opt.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+    mj.mj_setConst(model, mj.MjData(model))
+    return model
+
+
+def _add_gear(root: ElementTree.Element, name: str) -> None:
+    """Let a joint move its motor, and a second one the link against the motor."""
+    joint = next(one for one in root.findall('joint') if one.get('name') == name)
+    child, axis = joint.find('child'), joint.find('axis')
+    assert child is not None and axis is not None
+    motor = ElementTree.SubElement(root, 'link', name=f'{name}_motor')
+    _add_inertia(motor, _LIGHT, (0.0, 0.0, 0.0), (_LIGHT,) * 3)
+    gear = ElementTree.SubElement(root, 'joint', name=name + GEAR, type='continuous')
+    ElementTree.SubElement(gear, 'parent', link=f'{name}_motor')
+    ElementTree.SubElement(gear, 'child', link=str(child.get('link')))
+    gear.append(axis)
+    child.set('link', f'{name}_motor')
+
+
+def _set_inertia(mj: Any, model: Any, body: int, theta: Array) -> None:
+    """Give a body mass, centre and principal inertia."""
+    own = pinocchio().Inertia.FromDynamicParameters(theta)
+    principal, axes = np.linalg.eigh(own.inertia)
+    axes[:, 0] *= np.linalg.det(axes)
+    model.body_mass[body], model.body_ipos[body] = own.mass, own.lever
+    model.body_inertia[body] = principal
+    mj.mju_mat2Quat(model.body_iquat[body], axes.flatten())
 
 
 def _strip(robot: ElementTree.Element, removed: tuple[str, ...]) -> None:

@@ -1,17 +1,24 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Arms in MuJoCo: under an impedance controller at a wall, or moved through poses."""
+"""Arms in MuJoCo: under an impedance controller at a wall, or with a law concealed in a joint."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .arm_models import Arm, mujoco, mujoco_model, TIP
+from .arm_models import (
+    Arm, ARMS, Array, description_of, GEAR, mujoco, mujoco_arm, mujoco_model, TIP)
+from .blind_trials.arm_trials import Engine
 from .paths import path_at, Piece, ramp, start, tones
+from ..kinematics.arm_dynamics import ArmDynamics
 from ..kinematics.tool_load import cross_matrix
-from ..physics.numeric import Array
+from ..plant.arm_models import arm_description
+from ..plant.arm_simulation import (
+    ArmLaw, ArmSensors, changed, MOTOR, position_control, sensed, SimulatedArm, STEP_S)
+from ..reference.arm_excitation import ArmTrajectory
 
 TIMESTEP = 1e-3
 MOVE_S = 1.0
@@ -224,3 +231,66 @@ class ArmSimulation:
     def _tip_pose(self) -> tuple[Array, Array]:
         site = self._data.site(TIP)
         return site.xmat.reshape(3, 3).copy(), site.xpos.copy()
+
+
+# -- concealed laws ---------------------------------------------------------------------------
+
+_OF_JOINTS = {'coulomb_friction': 'dof_frictionloss', 'viscous_friction': 'dof_damping',
+              'reflected_inertia': 'dof_armature', 'joint_spring': 'jnt_stiffness'}
+_STOP = (0.004, 1.0)  # time constant [s] and damping ratio of the flanks of a gear
+
+
+def simulate_concealed(
+    urdf: str, arm: ArmDynamics, wanted: ArmTrajectory, laws: Sequence[ArmLaw],
+    sensors: ArmSensors, seed: int = 0, extra: Array | None = None, impedance: None = None,
+) -> SimulatedArm:
+    """Let an arm follow a trajectory in MuJoCo as `simulate_arm` does, its damping implicit."""
+    mj, arm = mujoco(), changed(arm, laws)
+    yielding = {law.place: law for law in laws if law.effect in ('joint_flexibility', 'backlash')}
+    model = mujoco_arm(urdf, arm, STEP_S, list(yielding))
+    dofs = np.array([int(model.joint(name).dofadr[0]) for name in arm.joints])
+    for law in laws:
+        if law.effect in _OF_JOINTS:
+            getattr(model, _OF_JOINTS[law.effect])[dofs[law.place]] += law.theta[0]
+    size, stiff, damp = position_control(arm, model.dof_armature[dofs])
+    model.dof_damping[dofs] += damp
+    for j, law in yielding.items():
+        model.dof_armature[dofs[j]] = MOTOR * size[j]
+        _yield(model, int(model.joint(arm.joints[j] + GEAR).id), law, size[j])
+    times = np.arange(wanted.t[0], wanted.t[-1], STEP_S)
+    q_d, v_d, feed, pushed = (
+        np.stack([np.interp(times, wanted.t, column) for column in one.T], axis=1)
+        for one in (wanted.q, wanted.v, arm.torque(wanted.q, wanted.v, wanted.a),
+                    np.zeros_like(wanted.q) if extra is None else extra))
+    data = mj.MjData(model)
+    mj.mj_setConst(model, data)  # friction and stops are as stiff as the inertias ask for
+    data.qpos[dofs] = q_d[0]
+    for j, law in yielding.items():  # at rest the link hangs in its gear
+        bent = feed[0, j] if law.effect == 'joint_flexibility' else 0.5 * np.sign(feed[0, j])
+        data.qpos[model.joint(arm.joints[j] + GEAR).qposadr] = -bent * law.theta[0]
+    q, v, tau = (np.empty_like(feed) for _ in range(3))
+    for k in range(len(times)):
+        q[k], v[k] = data.qpos[dofs], data.qvel[dofs]
+        u = feed[k] + stiff * (q_d[k] - q[k]) + damp * v_d[k]
+        data.qfrc_applied[dofs] = u + pushed[k]
+        mj.mj_step(model, data)
+        tau[k] = u - damp * data.qvel[dofs]
+    return sensed(times, q, v, tau, laws, sensors, np.random.default_rng(seed))
+
+
+def _yield(model: Any, gear: int, law: ArmLaw, size: float) -> None:
+    """Make a joint a spring, or free between two stops."""
+    if law.effect == 'joint_flexibility':
+        K = 1.0 / law.theta[0]
+        model.jnt_stiffness[gear] = K
+        model.dof_damping[model.jnt_dofadr[gear]] = 0.1 * np.sqrt(K * size)
+    else:
+        model.jnt_limited[gear] = 1
+        model.jnt_range[gear] = np.array([-0.5, 0.5]) * law.theta[0]
+        model.jnt_solref[gear] = _STOP
+
+
+ENGINE = Engine(
+    {'planar_3r': partial(arm_description, 'planar_3r'),
+     **{name: partial(description_of, one) for name, one in ARMS.items()}}, simulate_concealed)
+"""Arms with a concealed law, whose dynamics share no code with the library."""

@@ -18,7 +18,9 @@ import numpy as np
 
 from .arm_models import (
     Arm, ARMS, description_of, mujoco, mujoco_model, SENSOR, TIP, TOOL_CENTRE, TOOL_MASS)
-from .arm_simulation import ArmSimulation, Run, TIMESTEP, World
+from .arm_simulation import ArmSimulation, ENGINE, Run, TIMESTEP, World
+from .blind_trials.arm_trials import arm_text, plan_arms, scored
+from .blind_trials.running import run_trials
 from ..commands import calibrate_tool, diagnose, replay
 from ..commands.command_line import command, new_folder, Parser, require_at_least
 from ..exceptions import EstimationError, UnknownNameError
@@ -224,6 +226,11 @@ def make_parser() -> Parser:
                         help='new folder for recordings, arms.md and pictures')
     parser.add_argument('--seeds', type=int, default=5,
                         help='diagnoses of each concealed effect on each arm (5)')
+    parser.add_argument('--concealed', type=int, default=0, metavar='N',
+                        help='instead, diagnose N worlds on a planar arm, panda and ur5, in '
+                        'which a law of a joint, a link or a sensor of torque is concealed from '
+                        'diagnose --nominal-robot (0); an interrupted study resumes')
+    parser.add_argument('--seed', type=int, default=0, help='of --concealed (0)')
     return parser
 
 
@@ -232,11 +239,18 @@ def run(options: Any) -> int:
     for name in options.arms:
         if name not in ARMS:
             raise UnknownNameError.among('arm', name, ARMS)
-    require_at_least(options, seeds=1)
-    folder = new_folder(options.output)
-    arms = [StudiedArm(ARMS[name], folder) for name in options.arms or ARMS]
-    text = '\n\n'.join(_tables(arms, options.seeds))
-    (folder / 'arms.md').write_text(text + '\n')
+    require_at_least(options, seeds=1, concealed=0, seed=0)
+    if options.concealed:
+        folder = Path(options.output)
+        folder.mkdir(parents=True, exist_ok=True)
+        planned = plan_arms(options.concealed, [options.seed], engine=ENGINE)
+        text = arm_text([scored(*one, arm.name) for arm, one in zip(
+            planned, run_trials(folder, planned, jobs=1))])
+    else:
+        folder = new_folder(options.output)
+        arms = [StudiedArm(ARMS[name], folder) for name in options.arms or ARMS]
+        text = '\n\n'.join(_tables(arms, options.seeds))
+    (folder / ('concealed.txt' if options.concealed else 'arms.md')).write_text(text + '\n')
     print(text)
     return 0
 

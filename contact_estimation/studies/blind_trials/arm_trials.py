@@ -5,6 +5,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
@@ -129,15 +130,29 @@ PRESSED = (CLEAN, 'coulomb_friction', 'dead_zone', 'joint_flexibility', CLEAN, '
 """What is concealed in arms that press on a wall: in their joints, or in the wall."""
 
 
+class Engine(NamedTuple):
+    """What simulates arms: the descriptions of some by name, and `simulate_arm` or the like."""
+
+    arms: Mapping[str, Callable[[], str]]
+    simulate: Callable[..., SimulatedArm]  # of the description, then as `simulate_arm`
+
+
+def _own(urdf: str, *given: Any) -> SimulatedArm:
+    return simulate_arm(*given)
+
+
+OWN = Engine({name: partial(arm_description, name) for name in ARM_MODELS}, _own)
+
+
 def _drawn(
-    kind: str, number: int, seed: int, pressing: bool
+    kind: str, number: int, seed: int, pressing: bool, engine: Engine
 ) -> tuple[str, SimulatedArm, dict[str, Any]]:
     """Return description, recording and truth of one world."""
     rng = np.random.default_rng((seed, number))
-    names, first = list(ARM_MODELS), number + number // (len(KINDS) + 2)
+    names, first = list(engine.arms), number + number // (len(KINDS) + 2)
     for k in range(len(names)):
         name = names[(first + k) % len(names)]
-        urdf = arm_description(name)
+        urdf = engine.arms[name]()
         arm = ArmDynamics(urdf)
         motion = (pressing_motion(arm, TIP, np.array(PRESSING[name]), _DOWN, rng) if pressing else
                   exciting_trajectory(arm, int(rng.integers(2**31)), _DURATION_S, tries=_TRIES))
@@ -158,7 +173,7 @@ def _drawn(
         effects = [{'name': UNKNOWN, 'place': arm.joints[j]}]
     sensors = ArmSensors(float(rng.choice([100.0, 200.0, 250.0])),
                          rng.uniform(0.002, 0.01, n) * one.size, 1e-5)
-    states = simulate_arm(true, motion, laws, sensors, number, extra, impedance)
+    states = engine.simulate(urdf, true, motion, laws, sensors, number, extra, impedance)
     return urdf, states, {'kind': kind, 'arm': name, 'effects': effects}
 
 
@@ -211,6 +226,7 @@ class PlannedArm(NamedTuple):
     number: int
     seed: int
     pressing: bool
+    engine: Engine
 
     def files(self, folder: Path) -> TrialFiles:
         """Return the paths of its files."""
@@ -218,7 +234,7 @@ class PlannedArm(NamedTuple):
 
     def write(self, files: TrialFiles) -> dict[str, Any]:
         """Draw the trial, write what is handed over, and return the truth."""
-        urdf, states, truth = _drawn(self.kind, self.number, self.seed, self.pressing)
+        urdf, states, truth = _drawn(self.kind, self.number, self.seed, self.pressing, self.engine)
         files.nominal.write_text(urdf)
         dynamics = ArmDynamics(urdf)
         write_arm_recording(files.recording, dynamics.joints, states)
@@ -238,11 +254,13 @@ class PlannedArm(NamedTuple):
         return ['--nominal-robot', str(files.nominal), *(wall if self.pressing else [])]
 
 
-def plan_arms(count: int, seeds: Sequence[int], pressing: bool = False) -> list[PlannedArm]:
+def plan_arms(
+    count: int, seeds: Sequence[int], pressing: bool = False, engine: Engine = OWN
+) -> list[PlannedArm]:
     """Plan trials; pressing: on a wall, under an impedance that the diagnosis is not told."""
     kinds = PRESSED if pressing else [*KINDS, CLEAN, UNKNOWN]
     return [PlannedArm(f'{"press" if pressing else "arm"}_{seed}_{k:03d}', kinds[k % len(kinds)],
-                       k, seed, pressing) for seed in seeds for k in range(count)]
+                       k, seed, pressing, engine) for seed in seeds for k in range(count)]
 
 
 def write_arm_recording(path: Path, joints: Sequence[str], states: SimulatedArm) -> None:
