@@ -3,6 +3,7 @@
 
 """Fits, parts that are held out, and repetition."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
@@ -11,7 +12,7 @@ from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_de
 from contact_estimation.diagnosis.fit.evidence import explained, ranked
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.free_run import refine
-from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of
+from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of, predict, Spared
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
 from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
 from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
@@ -106,6 +107,17 @@ def test_a_law_is_predicted_and_has_the_same_value_on_every_part() -> None:
     assert alone == pytest.approx([FRICTION] * len(alone), rel=0.15)
 
 
+def test_what_is_held_out_is_one_more_part_that_models_predict() -> None:
+    recording, base, found = with_law('coulomb_friction')
+    models = ContactModels([recording], base)
+    spared = [Spared('late', recording, recording.observed.t > 4.0)]
+    evidence = models.evidence()
+    evidence = replace(evidence, base=predict(evidence.base, spared))
+    lawful = predict(models.without(models._scored([recording], found), []), spared)
+    assert len(lawful.left_out) == len(models.parts) + 1
+    assert explained(evidence, lawful).parts[-1] == pytest.approx(1.0, abs=0.05)
+
+
 def recalibrated(**changes: Any) -> tuple[PreparedRecording, Fit]:
     """Recalibrate the nominal model on a world's recording."""
     recording, model = prepared_from(recorded(**changes))
@@ -197,6 +209,13 @@ def test_of_one_episode_a_late_block_of_each_third_is_held_out() -> None:
     part = hold_out(HELD_OUT_MODEL, moved((0.02,)))
     assert in_late_thirds(part.samples, 50, 100)
     assert part.name.endswith(' s') and part.name.count(' to ') == 3
+
+
+def test_blocks_are_held_out_where_a_force_acts() -> None:
+    x = np.concatenate((np.linspace(0.001, 0.01, 500), np.linspace(0.01, 0.001, 500)))
+    o, late = at(x), np.arange(1000) >= 300
+    samples = hold_out(Model.of(ATTACHED), replace(o, force=np.where(late, 0.0, o.force))).samples
+    assert samples.any() and not samples[late].any()
 
 
 def part_of(recalibrated: Array, corrected: Array) -> Part:

@@ -99,6 +99,9 @@ class _Recorded:
     def __init__(self, recording: PreparedRecording, model: Model) -> None:
         self._recording, self._model = recording, model
         self.force = float(np.max(np.abs(recording.observed.force)))
+        surface = model.nominal.environment.location
+        self.depth = float(np.max(np.abs(recording.observed.x - surface)))
+        self.stiffness = model.stiffness
         self.duration = float(recording.observed.t[-1])
         self.sample_period = recording.observed.h
 
