@@ -262,10 +262,10 @@ class ContactModels:
         rings = EFFECTS[steps[0].name].resonates
         several, near = self._driven or rings, list[Fit]()
         for step in steps[:_STARTS if several else 2]:
-            near.append(fit_at(recordings, step.model))
-            if not several and near[-1].cost < present:
+            near += [fit_at(recordings, model) for model in (step.model, step.linear)]
+            if not several and min(one.cost for one in near) < present:
                 break
-        if several or near[-1].cost >= present:
+        else:
             near += [fit_at(recordings, step.start)
                      for step in (steps if rings else steps[:_STARTS])]
         near.sort(key=lambda found: found.cost)
