@@ -293,6 +293,17 @@ def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
     assert told(2e-12) == told(3e-12) == first
 
 
+def test_one_stroke_of_a_wall_that_yields_is_a_second_softer_spring() -> None:
+    t, draw = np.linspace(0.0, 30.0, 600), np.random.default_rng(3)
+    x = 0.1 * t / 30.0
+    force = -60.0 * x + 54.0 * np.maximum(x - 0.04, 0.0) + draw.normal(0.0, 0.02, len(t))
+    found, = diagnose(Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0)))),
+                      ATTACHED).effects
+    assert found.name == 'bilinear_stiffness'
+    for value, true in zip(found.parameters.values(), (-54.0, 0.04)):
+        assert abs(value.value - true) < 3.0 * value.std < 0.05 * abs(true)
+
+
 def held(values: Array, count: int) -> Array:
     """Repeat every so manieth value until the next."""
     return np.repeat(values[::count], count)[:len(values)]
