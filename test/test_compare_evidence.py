@@ -11,6 +11,7 @@ from contact_estimation.diagnosis.fit.beam import Compared, refit, search
 from contact_estimation.diagnosis.fit.constants import CONSTANTS, Constants
 from contact_estimation.diagnosis.fit.evidence import Evidence, explained, of_families, Scored
 from contact_estimation.diagnosis.fit.names import name, Named, parts
+from contact_estimation.diagnosis.next_experiment import perhaps
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -290,3 +291,14 @@ def test_known_models_are_fitted_again_and_the_best_is_extended() -> None:
     assert [one.effects for one in known.models] == [('a',), ()] and not space.extended
     assert search(space, lambda text: None, known).models[0].key == {'a', 'b'}
     assert space.extended[0] == {'a'} and frozenset() not in space.extended
+
+
+def test_a_law_that_is_likely_but_not_named_is_told() -> None:
+    base, one, both = scored(1e4), scored(1200.0, 'a'), scored(800.0, 'a', 'b')
+    found = evidence(base)
+    models = [base, one, both]
+    chance = of_families(models, found.weights(models, 0))['family of b']
+    assert CONSTANTS.listed < chance < CONSTANTS.named
+    expected = f'b may be missing too (probability {chance:.2f}): beside it 92 instead of 88 %'
+    assert perhaps(found, models, one, 0).startswith(expected)
+    assert not perhaps(found, models, both, 0)

@@ -97,6 +97,12 @@ def test_signals_without_information_are_refused_in_one_line(
                      command.refusal(recording, '--nominal', folder / 'model.yaml'))
 
 
+def test_a_force_along_another_axis_is_named(folder: Path, command: Command) -> None:
+    line = command.refusal(
+        folder / 'clean.mcap', '--nominal', folder / 'model.yaml', '--axis', 'y')
+    assert 'is constant along y, but changes along x; set axis (--axis)' in line
+
+
 def test_missing_options_and_files_are_refused(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:

@@ -3,6 +3,7 @@
 
 """Fits, parts that are held out, and repetition."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
@@ -11,7 +12,7 @@ from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_de
 from contact_estimation.diagnosis.fit.evidence import explained, ranked
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.free_run import refine
-from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of
+from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of, predict, Spared
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
 from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
 from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
@@ -104,6 +105,17 @@ def test_a_law_is_predicted_and_has_the_same_value_on_every_part() -> None:
     assert share.interval[0] > 0.9 and (share.parts > 0.8).all()
     alone = [lawful.found.values_on(part).values[-1] for part in models.parts]
     assert alone == pytest.approx([FRICTION] * len(alone), rel=0.15)
+
+
+def test_what_is_held_out_is_one_more_part_that_models_predict() -> None:
+    recording, base, found = with_law('coulomb_friction')
+    models = ContactModels([recording], base)
+    spared = [Spared('late', recording, recording.observed.t > 4.0)]
+    evidence = models.evidence()
+    evidence = replace(evidence, base=predict(evidence.base, spared))
+    lawful = predict(models.without(models._scored([recording], found), []), spared)
+    assert len(lawful.left_out) == len(models.parts) + 1
+    assert explained(evidence, lawful).parts[-1] == pytest.approx(1.0, abs=0.05)
 
 
 def recalibrated(**changes: Any) -> tuple[PreparedRecording, Fit]:
@@ -199,6 +211,13 @@ def test_of_one_episode_a_late_block_of_each_third_is_held_out() -> None:
     assert part.name.endswith(' s') and part.name.count(' to ') == 3
 
 
+def test_blocks_are_held_out_where_a_force_acts() -> None:
+    x = np.concatenate((np.linspace(0.001, 0.01, 500), np.linspace(0.01, 0.001, 500)))
+    o, late = at(x), np.arange(1000) >= 300
+    samples = hold_out(Model.of(ATTACHED), replace(o, force=np.where(late, 0.0, o.force))).samples
+    assert samples.any() and not samples[late].any()
+
+
 def part_of(recalibrated: Array, corrected: Array) -> Part:
     """Make a part with given squared errors, ten samples a block."""
     force = np.array([recalibrated, recalibrated, corrected])
@@ -272,6 +291,17 @@ def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
     first = told(0.0)
     assert [name for name, _, _ in first] == ['force_bias']
     assert told(2e-12) == told(3e-12) == first
+
+
+def test_one_stroke_of_a_wall_that_yields_is_a_second_softer_spring() -> None:
+    t, draw = np.linspace(0.0, 30.0, 600), np.random.default_rng(3)
+    x = 0.1 * t / 30.0
+    force = -60.0 * x + 54.0 * np.maximum(x - 0.04, 0.0) + draw.normal(0.0, 0.02, len(t))
+    found, = diagnose(Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0)))),
+                      ATTACHED).effects
+    assert found.name == 'bilinear_stiffness'
+    for value, true in zip(found.parameters.values(), (-54.0, 0.04)):
+        assert abs(value.value - true) < 3.0 * value.std < 0.05 * abs(true)
 
 
 def held(values: Array, count: int) -> Array:

@@ -171,6 +171,30 @@ def test_force_predicted_from_true_motion_is_the_true_force() -> None:
             got[away], force[away], atol=PREDICTION.get(name, 1e-9), err_msg=name)
 
 
+@dataclasses.dataclass
+class Recorded:
+    """What an effect asks of a recording."""
+
+    force: float = 100.0
+    depth: float = 0.03
+    stiffness: float = 1e4
+    duration: float = 1.0
+    sample_period: float = 0.002
+
+    def clips(self, limit: float) -> bool:
+        """Return False."""
+        return False
+
+
+@pytest.mark.parametrize('name, values, credible', [
+    ('cubic_stiffness', (-3e6,), True), ('cubic_stiffness', (-4e6,), False),
+    ('polynomial_stiffness', (-7e5, 1.4e7), True), ('bilinear_stiffness', (-1.1e4, 0.01), False)])
+def test_no_wall_resists_less_where_it_is_deepest(
+    name: str, values: tuple[float, ...], credible: bool
+) -> None:
+    assert EFFECTS[name](*values).may_show(Recorded()) == credible
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('memory', ['viscoelastic_relaxation', 'fractional_relaxation'])
 def test_relaxation_is_one_of_the_whole_elastic_force(memory: str) -> None:

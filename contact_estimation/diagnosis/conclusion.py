@@ -10,17 +10,18 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .dependence import dependences
-from .fit.discrepancy import discounted, least_material, material, standard_deviations
+from .fit.discrepancy import least_material, material, standard_deviations
 from .fit.evidence import explained, ranked_by, Scored, share_of, ZEROS
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run, refine
 from .fit.names import name, Named, parts, without_least
 from .fit.space import untried
-from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
+from .held_out import (
+    by_part, errors_of, improvement_interval, measure_part, Part, spared_of, weigh_by_held_out)
 from .location import locate, Location
-from .next_experiment import advice, nearly
+from .next_experiment import advice, nearly, perhaps
 from .observe.model import Model
-from .observe.prepared_recording import prepare, PreparedRecording, Recordings
+from .observe.prepared_recording import PreparedRecording, Recordings
 from .observe.residuals import force_residual
 from .observe.shares import MOST, SLIGHT
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
@@ -38,13 +39,17 @@ MODELS = ('nominal', 'recalibrated', 'corrected')
 def conclude(seen: Seen, seed: int, progress: Progress) -> Diagnosis:
     """Name what is missing, and test the models on held-out data."""
     progress('names')
-    named = name(seen.compared, seed, seen.models.without)
+    named = name(seen.compared, seed, seen.without)
     tested = _tested(seen, named.model, progress)
-    while named.names and not _holds(seen, named, tested):
-        named = without_least(seen.compared, named, seen.models.without)
+    if named.names and not _holds(seen, named, tested):
+        # Held-out data refute the likeliest model, and choose among all.
+        seen = weigh_by_held_out(seen)
+        named = name(seen.compared, seed, seen.without)
         tested = _tested(seen, named.model, progress)
-    generator = np.random.default_rng(seed)
-    return _Conclusion(seen, named, tested, generator).diagnosis()
+    while named.names and not _holds(seen, named, tested):
+        named = without_least(seen.compared, named, seen.without)
+        tested = _tested(seen, named.model, progress)
+    return _Conclusion(seen, named, tested, seed).diagnosis()
 
 
 class _Tested(NamedTuple):
@@ -66,17 +71,12 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
     base = seen.base if chosen.named else best
     models = (nominal, base.model, best.model)
     progress('held-out parts')
-    parts, runs = list[Part](), [_free_runs(one, models) for one in recordings]
-    for one, positions in zip(recordings, runs):
-        if one.held_out is not None:
-            whole = discounted(one.whole(base.model), base.model)
-            prefix = f'{one.name}, ' if len(recordings) > 1 else ''
-            parts.append(measure_part(
-                prefix + one.held_out.name, whole, one.held_out.samples, models, positions))
-    for raw in seen.view.given.held_out:
-        one = prepare(raw, nominal, hold=False)
-        everything = np.ones(len(one.observed.t), bool)
-        parts.append(measure_part(one.name, one, everything, models, _free_runs(one, models)))
+    runs, parts = [_free_runs(one, models) for one in recordings], list[Part]()
+    known = {id(one.observed): each for one, each in zip(recordings, runs)}
+    for spared in spared_of(seen.view.given, recordings, base.model):
+        o = spared.recording.observed
+        positions = known[id(o)] if id(o) in known else _free_runs(spared.recording, models)
+        parts.append(measure_part(spared, models, positions))
     left = np.concatenate([force_residual(one, base.model)[one.force.use] for one in recordings])
     errors = [(one.observed.raw_position - each[1])[one.use & ~one.observed.start]
               for one, each in zip(recordings, runs) if each is not None]
@@ -142,10 +142,9 @@ def _free_runs(recording: PreparedRecording, models: Sequence[Model]) -> list[Ar
 class _Conclusion:
     """The parts of a result."""
 
-    def __init__(
-        self, seen: Seen, named: Named, tested: _Tested, generator: np.random.Generator
-    ) -> None:
-        self._seen, self._named, self._tested, self._rng = seen, named, tested, generator
+    def __init__(self, seen: Seen, named: Named, tested: _Tested, seed: int) -> None:
+        self._seen, self._named, self._tested = seen, named, tested
+        self._seed, self._rng = seed, np.random.default_rng(seed)
         self._evidence = seen.compared.evidence
         self._recordings = ranked_by(  # the one with the largest misfit first
             tested.recordings, lambda one: -cost_of([one], tested.base.model) / max(
@@ -183,9 +182,15 @@ class _Conclusion:
             recordings=self._recordings, free_runs=tested.free_runs,
             checks=seen.view.given.checks, holds_reference=seen.view.holds_reference,
             rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
-            nearly='' if verdict != 'unexplained' or self._named.model.laws else nearly(
-                self._evidence, seen.compared.models),
+            nearly=self._nearly(verdict),
             compared=seen.compared)
+
+    def _nearly(self, verdict: str) -> str:
+        """Say which law comes near where none explains, or may be missing beside the named."""
+        models, named = self._seen.compared.models, self._named
+        if verdict == 'unexplained' and not named.model.laws:
+            return nearly(self._evidence, models)
+        return perhaps(self._evidence, models, named.model, self._seed) if named.names else ''
 
     def _verdict(self, effects: Sequence[NamedEffect]) -> str:
         """Return the verdict, the one place where it is made."""
@@ -202,7 +207,7 @@ class _Conclusion:
         if not self._evidence.is_exact(self._evidence.base) and material(
                 self._seen.models.weighed(base), base):
             return 'unexplained'
-        nominal = self._seen.models.as_given(self._seen.view.given.nominal)
+        nominal = self._seen.as_given()
         gain = self._evidence.score(self._evidence.base) - self._evidence.score(nominal)
         free = int(np.count_nonzero(base.free))
         price = self._evidence.constants.parameter * free
@@ -214,7 +219,7 @@ class _Conclusion:
         if not names:
             return []
         values = self._tested.best.model
-        told = parts(self._seen.compared, self._named, self._seen.models.without)
+        told = parts(self._seen.compared, self._named, self._seen.without)
         zeros = [part for effect, part in told.items() if effect in ZEROS]
         rest = replace(self._evidence, base=zeros[-1].after) if zeros else None
         alone = [model.found.values_on(part) for part in model.found.parts]

@@ -3,16 +3,20 @@
 
 """How well models predict held-out data."""
 
+from dataclasses import replace
 from typing import NamedTuple, Sequence
 
 import numpy as np
 
+from .fit.beam import Compared
 from .fit.evidence import DRAWS
+from .fit.left_out import predict, Spared
 from .observe.model import Model
-from .observe.prepared_recording import PreparedRecording
+from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.residuals import force_residual
 from .result import Errors, HeldOutErrors
-from ..physics.numeric import Array, Flags
+from .views import Given, Seen
+from ..physics.numeric import Array
 
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
@@ -29,11 +33,32 @@ class Part(NamedTuple):
     motion_samples: Array  # (blocks,) samples in them
 
 
+def spared_of(given: Given, recordings: Recordings, model: Model) -> list[Spared]:
+    """List what is held out, of fitted recordings or as recordings."""
+    found = list[Spared]()
+    for one in recordings:
+        if one.held_out is not None:
+            prefix = f'{one.name}, ' if len(recordings) > 1 else ''
+            found.append(Spared(prefix + one.held_out.name, one.whole(model),
+                                one.held_out.samples))
+    prepared = [prepare(one, given.nominal, hold=False) for one in given.held_out]
+    return found + [Spared(one.name, one, np.ones(len(one.observed.t), bool)) for one in prepared]
+
+
+def weigh_by_held_out(seen: Seen) -> Seen:
+    """Compare the models by how well they predict what is held out, too."""
+    spared = spared_of(seen.view.given, seen.recordings, seen.base.model)
+    evidence = seen.compared.evidence
+    models = [predict(one, spared) for one in seen.compared.models]
+    evidence = replace(evidence, base=predict(evidence.base, spared)).informed_by(models)
+    return seen._replace(spared=spared, compared=Compared(evidence, evidence.ranked(models)))
+
+
 def measure_part(
-    name: str, recording: PreparedRecording, samples: Flags, models: Sequence[Model],
-    runs: Sequence[Array] | None,
+    spared: Spared, models: Sequence[Model], runs: Sequence[Array] | None
 ) -> Part:
     """Measure the errors of models on one part."""
+    name, recording, samples = spared
     o = recording.observed
     touching = samples & recording.force.use
     laws = models[-1].laws()

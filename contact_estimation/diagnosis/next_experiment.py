@@ -18,7 +18,7 @@ import numpy as np
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .checks.check import LISTED
 from .fit.discrepancy import discounted
-from .fit.evidence import Evidence, explained, ranked_by, Scored, ZEROS
+from .fit.evidence import Evidence, explained, of_families, ranked_by, Scored, ZEROS
 from .fit.fitting import differentiate_by, residual_function
 from .fit.free_run import plant_of, steps_a_sample
 from .observe.model import Model
@@ -26,7 +26,7 @@ from .observe.observed import Observed
 from .observe.parts import episodes
 from .observe.prepared_recording import PreparedRecording, Recordings
 from .observe.residuals import residuals
-from .observe.shares import LITTLE, MOST, MUCH
+from .observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from .observe.usable_samples import default_block, usable
 from .result import Diagnosis, NamedEffect
 from ..physics.numeric import Array
@@ -197,6 +197,21 @@ def nearly(evidence: Evidence, models: Sequence[Scored]) -> str:
            f'{100.0 * high:.0f} %)' if low < MOST else 'it does not explain the held-out part')
     return (f'{effect} would explain {100.0 * share.share:.0f} %, but {why}: record further '
             'contacts at other depths and speeds')
+
+
+def perhaps(evidence: Evidence, models: Sequence[Scored], named: Scored, seed: int) -> str:
+    """Say which law, beside those that are named, may be missing too."""
+    with_more = [one for one in evidence.ranked(models)
+                 if named.named < one.named and len(one.effects) == len(named.effects) + 1]
+    likely = of_families(models, evidence.weights(models, seed))
+    for one in with_more[:1]:
+        family, = one.named - named.named
+        before, after = (explained(evidence, model).share for model in (named, one))
+        if likely[family] >= evidence.constants.listed and after - before > SLIGHT:
+            effect = one.effects[one.families.index(family)]
+            return (f'{effect} may be missing too (probability {likely[family]:.2f}): beside it '
+                    f'{100.0 * after:.0f} instead of {100.0 * before:.0f} % would be explained')
+    return ''
 
 
 def advice(

@@ -173,7 +173,8 @@ class Diagnosis:
     untried : list of tuple of str
         Families of which no law was tried, with the reason.
     nearly : str
-        Which law comes near where the verdict is 'unexplained'; '' if none does.
+        Which law comes near where none explains, or may be missing beside those that are named;
+        '' if none does.
     compared : Compared, optional
         All models that were compared, with their errors on parts left out.
 

@@ -20,7 +20,7 @@ from .fit.discrepancy import discounted, without_ripple
 from .fit.evidence import Scored
 from .fit.fitting import Fit, fit, residual_function
 from .fit.free_run import free_run
-from .fit.left_out import Part
+from .fit.left_out import Part, predict, Spared
 from .fit.space import ContactModels
 from .fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from .observe.model import Model
@@ -144,6 +144,7 @@ class Seen(NamedTuple):
     base: Fit  # the recalibrated model
     models: ContactModels  # the models
     compared: Compared  # what was found
+    spared: Sequence[Spared] = ()  # held-out data by which models are compared, too
 
     @property
     def best(self) -> Scored:
@@ -155,6 +156,14 @@ class Seen(NamedTuple):
         """Return it as it was fitted."""
         model: Model = self.best.found.found.model
         return model
+
+    def without(self, one: Scored, names: Sequence[str]) -> Scored:
+        """Fit a model without some of its effects."""
+        return predict(self.models.without(one, names), self.spared)
+
+    def as_given(self) -> Scored:
+        """Return the nominal model at its values."""
+        return predict(self.models.as_given(self.view.given.nominal), self.spared)
 
     @property
     def driven(self) -> bool:

@@ -44,7 +44,7 @@ class Backlash(ContactEffect):
 
     equation = "F_e of (y, y'), y = play(x, gap)"
     family = 'clearance'
-    needs = frozenset({Need.NO_DRIVE})
+    needs = frozenset({Need.NO_DRIVE, Need.RETURN})
     lets_go = True
     states = 1  # position of the tool within the play, x - y
 

@@ -8,10 +8,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .effect import Effect
+from .effect import Effect, Seen
 from .numeric import Array, Flags, Number
 
 State = tuple[float, ...]
+
+_LAST = 0.01  # of the depth
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,16 @@ class ContactEffect(Effect):
     def elastic(self, d: Number, m: Any) -> Number:
         """Return the elastic force beside that spring [N]."""
         raise NotImplementedError
+
+    def may_show(self, seen: Seen) -> bool:
+        """Need a wall that resists more, or no less, where it is deepest."""
+        # Otherwise what presses gives way where the force falls, as the beam of a force microscope
+        # does while a sample relaxes: its compliance, not a law of the wall.
+        if 'elastic' not in self.changes:
+            return True
+        last = np.array([1.0 - _LAST, 1.0]) * seen.depth
+        less, most = seen.stiffness * last + self.elastic(last, np)
+        return bool(most >= less)
 
     def damper(self, d: Number, v: Number, exponent: float, m: Any) -> Number:
         """Return the damping force in place of B_e v [N]; exponent of the elastic force."""

@@ -39,6 +39,8 @@ class Seen(Protocol):
     """A recording, as a model with the effect describes it."""
 
     force: float  # largest measured [N]
+    depth: float  # largest [m]
+    stiffness: float  # K_e [N/m]
     duration: float  # [s]
     sample_period: float  # [s]
 

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cdr import header_stamp_ns
-from .decoding import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
+from .decoding import (
+    FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder, WrenchReading,
+)
 from .reading import RecordingReader
 from .source import canonical, RecordingSource
 from ..exceptions import MessageError, RecordingError
@@ -134,6 +136,10 @@ def read_signals(
         reader, source, {source.wrench: force, source.joint_states: motion,
                          source.reference_trajectory: reference_rows(joint)},
         (1, 2, 4), most_samples)
+    if force.others and not force.changes:
+        raise RecordingError(
+            f'the force of {reader.path} is constant along {axis}, but changes along '
+            f'{" and ".join(sorted(force.others))}; set axis (--axis) to that of the contact')
     return RecordedSignals(wrench, joints, reference, force.frame_id, force.foreign)
 
 
@@ -208,6 +214,8 @@ class _ForceOfFrame:
     def __init__(self, axis: str, frame_id: str) -> None:
         self.frame_id, self.foreign = frame_id, 0
         self._wrenches, self._force_of = WrenchDecoder(), FORCE_OF_AXIS[axis]
+        self._first: WrenchReading | None = None
+        self.changes, self.others = False, set[str]()  # whether, and the axes whose force does
 
     def __call__(self, data: bytes) -> Row:
         reading = self._wrenches.decode(data)
@@ -217,6 +225,11 @@ class _ForceOfFrame:
             raise MessageError(
                 'wrench_frame_id',
                 f'expected frame {self.frame_id!r}, got {reading.frame_id!r}; set frame_id')
+        if not self.changes:
+            first = self._first = self._first or reading
+            self.changes = self._force_of(reading) != self._force_of(first)
+            self.others |= {axis for axis, force_of in FORCE_OF_AXIS.items()
+                            if force_of(reading) != force_of(first)}
         return reading.stamp_ns, (self._force_of(reading),)
 
 

@@ -3,14 +3,15 @@
 
 """The parts of recordings that are left out in turn: contacts, or blocks of time."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .discrepancy import CHANNELS
+from .discrepancy import CHANNELS, discounted
+from .evidence import Scored
 from .fitting import Fit, jacobian_at, residual_function
 from ..checks.check import bend_of, STRAIGHT
 from ..observe.channel import ROBUST
@@ -137,16 +138,19 @@ class Linearised:
     recordings: Recordings  # with the discrepancy of the model
     found: Fit  # on all parts
     parts: Sequence[Part]  # of the recordings
-    here: Array = field(init=False, repr=False)
-    jacobian: Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Differentiate the residuals at the fit."""
+    @cached_property
+    def here(self) -> Array:
+        """Return the residuals at the fit, shape (R,)."""
+        model = self.found.model
+        return residual_function(self.recordings, model, robust=False)(model.coordinates)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Differentiate the residuals at the fit, shape (R, F)."""
         model = self.found.model
         function = residual_function(self.recordings, model, robust=False)
-        here = function(model.coordinates)
-        object.__setattr__(self, 'here', here)
-        object.__setattr__(self, 'jacobian', jacobian_at(model, function, here))
+        return jacobian_at(model, function, self.here)
 
     @cached_property
     def channel(self) -> NDArray[np.int_]:
@@ -249,3 +253,31 @@ class Linearised:
         change = self._step(*self._sums[k])
         return self.found.model.with_free(
             self.found.model.coordinates + change * self.found.model.steps)
+
+
+class Spared(NamedTuple):
+    """Samples that nothing is fitted to."""
+
+    name: str  # such as 'episode 2'
+    recording: PreparedRecording  # it counts them
+    samples: Flags  # (N,)
+
+
+def predict(one: Scored, spared: Sequence[Spared]) -> Scored:
+    """Return a model with its errors on further parts, which its fit predicts as it is."""
+    told: Linearised = one.found
+    model, like = told.found.model, told.recordings[0]
+    for _, recording, samples in spared:
+        weighed = replace(recording, force_discrepancy=like.force_discrepancy,
+                          motion_discrepancy=like.motion_discrepancy, discount=None)
+        channels = weighed.channels(model)
+        inside = weighed.blocks(samples.astype(float)) == 1.0
+        there = np.concatenate([inside & channel.filled for channel in channels])
+        further = Linearised([discounted(weighed, model)], told.found, [Part('', there)])
+        left, exact = further.fitted
+        one = replace(
+            one, left_out=np.vstack((one.left_out, left)), fitted=np.vstack((one.fitted, left)),
+            counts=np.vstack((one.counts, further.counts)),
+            as_exact=None if one.as_exact is None else np.concatenate(
+                (one.as_exact, np.stack((exact, exact))), axis=1))
+    return one

@@ -130,6 +130,7 @@ class Step(NamedTuple):
 
     foretold: float  # cost there, foretold by the derivatives
     model: Model  # there
+    linear: Model  # where only the values are stepped that the law is linear in
     start: Model  # from where
 
     @property
@@ -201,13 +202,14 @@ class Screening:
         self, present: Model, start: _Start, here: Array, columns: Array, basis: Array
     ) -> Step:
         """Take the best of the steps of all its values, and of those it is linear in."""
+        # Beside the others these are solved for, whatever their sign (Golub and Pereyra 2003).
         name, values = start.name, start.model.values[start.model.place(start.name)]
         made = present.with_effect(name, values)
         shapes = _shapes(made)
         left = here + start.change
         left_over = left - basis @ (basis.T @ left)
         own = start.columns - basis @ (basis.T @ start.columns)
-        best: tuple[float, Array] | None = None
+        tried = list[tuple[float, Array]]()
         for free in (np.ones(len(shapes), bool), ~shapes):
             change = np.zeros(len(shapes))
             change[free] = np.linalg.lstsq(own[:, free], -left_over, rcond=1e-10)[0]
@@ -215,16 +217,15 @@ class Screening:
                 change[shapes] = np.clip(change[shapes], -_FARTHEST, _FARTHEST)
                 rest = left_over + own[:, shapes] @ change[shapes]
                 change[~shapes] = np.linalg.lstsq(own[:, ~shapes], -rest, rcond=1e-10)[0]
-            cost = self._cost(left_over + own @ change)
-            if best is None or cost < best[0]:
-                best = cost, change
+            tried.append((self._cost(left_over + own @ change), change))
             if not shapes.any():
                 break
-        assert best is not None
-        cost, change = best
-        target = left + start.columns @ change
-        of_present = np.linalg.lstsq(columns, -target, rcond=1e-10)[0]
-        return Step(cost, _moved(made, np.asarray(of_present, np.float64), change), made)
+        basic = np.linalg.lstsq(columns, -np.column_stack([
+            left + start.columns @ change for _, change in tried]), rcond=1e-10)[0]
+        models = [_moved(made, of_present, change)
+                  for of_present, (_, change) in zip(basic.T, tried)]
+        best = min(range(len(tried)), key=lambda k: tried[k][0])
+        return Step(tried[best][0], models[best], models[-1], made)
 
     def _cost(self, straight: Array) -> float:
         """Sum the squares of residuals, large ones bent."""

@@ -99,6 +99,9 @@ class _Recorded:
     def __init__(self, recording: PreparedRecording, model: Model) -> None:
         self._recording, self._model = recording, model
         self.force = float(np.max(np.abs(recording.observed.force)))
+        surface = model.nominal.environment.location
+        self.depth = float(np.max(np.abs(recording.observed.x - surface)))
+        self.stiffness = model.stiffness
         self.duration = float(recording.observed.t[-1])
         self.sample_period = recording.observed.h
 
@@ -259,10 +262,10 @@ class ContactModels:
         rings = EFFECTS[steps[0].name].resonates
         several, near = self._driven or rings, list[Fit]()
         for step in steps[:_STARTS if several else 2]:
-            near.append(fit_at(recordings, step.model))
-            if not several and near[-1].cost < present:
+            near += [fit_at(recordings, model) for model in (step.model, step.linear)]
+            if not several and min(one.cost for one in near) < present:
                 break
-        if several or near[-1].cost >= present:
+        else:
             near += [fit_at(recordings, step.start)
                      for step in (steps if rings else steps[:_STARTS])]
         near.sort(key=lambda found: found.cost)

@@ -173,7 +173,6 @@ def _period(stamps: Array) -> float:
 
 _LEAST_SAMPLES = 30
 _FEW = 3  # episodes, from which on a whole one can be spared
-_FELT = 0.005  # of the range of the force
 _THIRDS, _BLOCKS = 3, 5  # of a single episode or an attached wall; blocks of each
 _LATE = (3, 4, 2)  # those that may be held out, the best place first
 
@@ -220,9 +219,8 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     Never the deepest episode, which would be extrapolation; the nearest to the middle.
     Of one or two episodes the last, or an attached wall, each third spares a block of its last
     three fifths, a fifteenth of the whole: one block alone may lie where any model is right.
-    Blocks are chosen, where possible, with motion and at depths that occur in the rest too. They
-    have the same duration or, where most of the motion under a force comes late, as with growing
-    amplitudes, the same path.
+    Blocks are chosen, where possible, at depths and forces that occur in the rest too. All have
+    as much force over way and time: none lies where a tool has left or amplitudes are small.
     """
     o = observed
     found = episodes(model, o)
@@ -240,33 +238,27 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
 
 
 def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
-    """Hold out a late block of each third."""
+    """Hold out a late block of each third; all blocks have as much force over way and time."""
     count = _THIRDS * _BLOCKS
     if stop - first < count:  # a contact of fewer samples than blocks
         first, stop = 0, len(o.t)
-    # A tool that has left tells nothing.
-    felt = np.abs(o.force[first + 1:stop]) > _FELT * o.force_range
-    travel = np.concatenate(([0.0], np.cumsum(felt * np.abs(np.diff(o.x[first:stop])))))
-    block = (stop - first) // count
-    edges = stop - block * np.arange(count, -1, -1)
-    if travel[edges[-1 - _THIRDS] - first] < (1.0 - MOST) * travel[-1]:  # it grows
-        edges[:-1] = first + np.searchsorted(travel, travel[-1] * np.arange(count) / count)
+    way = np.abs(np.diff(o.x[first:stop]))
+    told = np.cumsum(np.abs(o.force[first + 1:stop]) * (way / max(way.mean(), 1e-300) + 1.0))
+    edges = first + np.searchsorted(told, told[-1] * np.arange(count + 1) / count)
     samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
     for third in range(_THIRDS):
         numbers = [third * _BLOCKS + k for k in _LATE]
         blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
-        moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
-        known = [pair for pair in blocks if _visited(o.x, *pair)]
-        moving = [pair for pair, path in zip(blocks, moved) if path >= MUCH * max(moved)]
-        begin, end = next(iter([pair for pair in known if pair in moving] or known or blocks))
+        begin, end = max(
+            blocks, key=lambda pair: _visited(o.x, *pair) + _visited(o.force, *pair))
         samples[begin:end] = True
         names.append(f'{o.t[begin]:.{digits}f} to {o.t[end - 1]:.{digits}f}')
     return HeldOut(f'{", ".join(names)} s', samples)
 
 
 def _visited(x: Array, begin: int, end: int) -> bool:
-    """Return whether most places of a block are visited elsewhere too."""
+    """Return whether most values of a block occur elsewhere too."""
     rest = np.sort(np.concatenate((x[:begin], x[end:])))
     here, near = x[begin:end], SLIGHT * float(np.ptp(x))
     count = np.searchsorted(rest, here + near) - np.searchsorted(rest, here - near)
