@@ -314,7 +314,7 @@ def test_a_law_that_held_out_data_refute_is_not_named() -> None:
         recording = Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0))))
         rubs = ~hold_out(Model.of(ATTACHED), observe(recording.signals, ATTACHED)).samples
     found = diagnose(recording, ATTACHED)
-    assert (found.verdict, found.effects) == ('unexplained', [])
+    assert (found.verdict, found.effects, found.held_out_chose) == ('unexplained', [], True)
 
 
 def held(values: Array, count: int) -> Array:

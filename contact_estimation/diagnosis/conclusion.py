@@ -181,7 +181,8 @@ class _Conclusion:
                          for key in pair_of(bool(effects))},
             recordings=self._recordings, free_runs=tested.free_runs,
             checks=seen.view.given.checks, holds_reference=seen.view.holds_reference,
-            rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
+            rests_left_out=seen.view.moving, held_out_chose=bool(seen.spared),
+            untried=untried(tested.recordings, base.model),
             nearly=self._nearly(verdict),
             compared=seen.compared)
 
