@@ -168,7 +168,8 @@ class ContactModels:
             stds[0] = 1.0
             return stds
         for k, channel in enumerate(one.channels(self._base.model)):
-            stds[k] = channel.noise / np.sqrt(channel.block)
+            noise = channel.noise_of_means[channel.filled]  # the motion's errors are in it
+            stds[k] = 1.0 / np.sqrt(np.mean(noise**-2.0)) if len(noise) else channel.noise
         stds[1] *= force_of_motion(one, self._base.model)
         return stds**2
 
