@@ -249,7 +249,7 @@ class Worlds:
         return [scored(max(1e4 * float(np.prod([self._factors[each] for each in effects])), 1.0),
                        *effects) for effects in added]
 
-    def compositions(self) -> list[Scored]:
+    def compositions(self, rival: Scored) -> list[Scored]:
         """Return the effects that are little alone and much together."""
         self.composed = True
         return [] if self.together == 1.0 else [scored(1e4 * self.together, 'a', 'b')]

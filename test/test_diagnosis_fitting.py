@@ -17,7 +17,7 @@ from contact_estimation.diagnosis.fit.screening import measure_scales, Screening
 from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
 from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.observed import Observed
+from contact_estimation.diagnosis.observe.observed import observe, Observed
 from contact_estimation.diagnosis.observe.parts import episodes, hold_out
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
@@ -302,6 +302,19 @@ def test_one_stroke_of_a_wall_that_yields_is_a_second_softer_spring() -> None:
     assert found.name == 'bilinear_stiffness'
     for value, true in zip(found.parameters.values(), (-54.0, 0.04)):
         assert abs(value.value - true) < 3.0 * value.std < 0.05 * abs(true)
+
+
+def test_a_law_that_held_out_data_refute_is_not_named() -> None:
+    t, draw = np.arange(0.0, 30.0, 0.02), np.random.default_rng(4)
+    x = 0.05 * np.sin(1.3 * t)
+    rubs = np.ones(len(t), bool)
+    for _ in range(3):  # where friction pauses changes what is held out
+        force = -60.0 * x - np.where(rubs, 2.0, 0.0) * np.sign(np.cos(1.3 * t))
+        force = force + draw.normal(0.0, 0.02, len(t))
+        recording = Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0))))
+        rubs = ~hold_out(Model.of(ATTACHED), observe(recording.signals, ATTACHED)).samples
+    found = diagnose(recording, ATTACHED)
+    assert (found.verdict, found.effects, found.held_out_chose) == ('unexplained', [], True)
 
 
 def held(values: Array, count: int) -> Array:

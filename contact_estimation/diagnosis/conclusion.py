@@ -11,9 +11,10 @@ import numpy as np
 
 from .dependence import dependences
 from .fit.discrepancy import least_material, material, standard_deviations
-from .fit.evidence import explained, ranked_by, Scored, share_of, ZEROS
+from .fit.evidence import explained, misfits, ranked_by, Scored, share_of, ZEROS
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run, refine
+from .fit.left_out import predict
 from .fit.names import name, Named, parts, without_least
 from .fit.space import untried
 from .held_out import (
@@ -87,29 +88,50 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
 
 def _holds(seen: Seen, named: Named, tested: _Tested) -> bool:
     """
-    Return whether names hold: the one test of adequacy, with the only use of held-out data.
+    Return whether names hold: the one test of adequacy, by what is left out and held out.
 
-    They explain a fair share of what is left out, and of what held-out data show in the channels
-    that tell them: the force does not tell an effect of the robot, nor the motion one of the
-    sensor. In none of them do they double the misfit.
+    They explain a fair share of both in the channels that tell them: the force does not tell an
+    effect of the robot, nor the motion one of the sensor. In none of them do they double the
+    misfit.
     """
     evidence = seen.compared.evidence
     ports = {EFFECTS[one.effect].port for one in named.names}
     if named.model.found.found.model.laws().robot.joint is not None:
         ports.add('contact')  # what touches the wall moves otherwise than what is measured
     force, motion = errors_of(tested.parts)
-    shown = []
+    runs = list[float | None]()
     if ports != {'robot'}:
         noise = max(hypot(one.force_noise, least_material(one)) for one in seen.recordings)
-        shown.append(force.explained(noise, _SHOWS * tested.force_error))
+        runs.append(force.explained(noise, _SHOWS * tested.force_error))
+    channel = 1 if ports == {'robot'} else 0 if ports == {'force_sensor'} else None
+    shares = [_share_of_held_out(seen, named.model, channel)]
     if ports != {'force_sensor'}:
         noise = max(one.observed.position_noise for one in seen.recordings)
-        shown.append(motion.explained(noise, _SHOWS * tested.free_run_error))
-    known = [share for share in shown if share is not None]
+        runs.append(motion.explained(noise, _SHOWS * tested.free_run_error))
+        shares.append(runs[-1])
     left_out = explained(evidence, named.model, 1 if ports == {'robot'} else None).share
-    if min(known, default=0.0) < -1.0:
+    if any(share is not None and share < -1.0 for share in runs):
         return False
+    known = [share for share in shares if share is not None]
     return min(left_out, max(known, default=left_out)) >= evidence.constants.confirmed
+
+
+def _share_of_held_out(seen: Seen, model: Scored, channel: int | None) -> float | None:
+    """Return the share of the held-out misfit that a model explains; None if little is shown."""
+    evidence, left_out = seen.compared.evidence, len(seen.models.parts)
+    spared = () if seen.spared else spared_of(seen.view.given, seen.recordings, seen.base.model)
+    both = [predict(one, spared) for one in (evidence.base, model)]
+    before, after = (misfits(evidence, one, channel) for one in both)
+    counts = both[0].counts * evidence.as_force
+    of_instrument = counts * evidence.instrument
+    if channel is not None:
+        counts, of_instrument = counts[:, [channel]], of_instrument[:, [channel]]
+    usual = float(of_instrument[left_out:].sum())
+    as_fitted = float(before[:left_out].sum() / counts[:left_out].sum())
+    shown = float(before[left_out:].sum())
+    if shown <= max(_SHOWS**2 * as_fitted * float(counts[left_out:].sum()), usual):
+        return None
+    return 1.0 - (float(after[left_out:].sum()) - usual) / (shown - usual)
 
 
 def _refined(seen: Seen, chosen: Scored, progress: Progress) -> tuple[Recordings, Fit]:
@@ -181,7 +203,8 @@ class _Conclusion:
                          for key in pair_of(bool(effects))},
             recordings=self._recordings, free_runs=tested.free_runs,
             checks=seen.view.given.checks, holds_reference=seen.view.holds_reference,
-            rests_left_out=seen.view.moving, untried=untried(tested.recordings, base.model),
+            rests_left_out=seen.view.moving, held_out_chose=bool(seen.spared),
+            untried=untried(tested.recordings, base.model),
             nearly=self._nearly(verdict),
             compared=seen.compared)
 

@@ -48,9 +48,9 @@ def spared_of(given: Given, recordings: Recordings, model: Model) -> list[Spared
 def weigh_by_held_out(seen: Seen) -> Seen:
     """Compare the models by how well they predict what is held out, too."""
     spared = spared_of(seen.view.given, seen.recordings, seen.base.model)
-    evidence = seen.compared.evidence
-    models = [predict(one, spared) for one in seen.compared.models]
-    evidence = replace(evidence, base=predict(evidence.base, spared)).informed_by(models)
+    evidence, known = seen.compared.evidence, seen.compared.models
+    models = [predict(one, spared) for one in known]
+    evidence = replace(evidence, base=models[known.index(evidence.base)]).informed_by(models)
     return seen._replace(spared=spared, compared=Compared(evidence, evidence.ranked(models)))
 
 

@@ -170,6 +170,8 @@ class Diagnosis:
         Whether the robot holds its reference between setpoints instead of interpolating it.
     rests_left_out : bool
         Whether the stretches were left out in which a drive is held at rest.
+    held_out_chose : bool
+        Whether held-out data refuted the likeliest model and chose among all.
     untried : list of tuple of str
         Families of which no law was tried, with the reason.
     nearly : str
@@ -204,6 +206,7 @@ class Diagnosis:
     checks: list[Check] = field(default_factory=list)
     holds_reference: bool = False
     rests_left_out: bool = False
+    held_out_chose: bool = False
     untried: list[tuple[str, str]] = field(default_factory=list)
     nearly: str = ''
     compared: Compared | None = field(default=None, repr=False)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 from .law import (
-    Any, ContactEffect, dataclass, Need, Number, optional_parameter, positive, Prior, Scales)
+    Any, ContactEffect, dataclass, Need, Number, optional_parameter, positive, Prior, Scales, Seen)
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,10 @@ class FreePlay(ContactEffect):
         behind = spring + (1.0 - self.beside) * damper
         pushed: Any = positive(behind, m) * (u > half) - positive(-behind, m) * (u < -half)
         return self.beside * damper + pushed
+
+    def may_show(self, seen: Seen) -> bool:
+        """Need a motion that reaches the play: else it is an offset."""
+        return abs(self.centre) - 0.5 * self.gap <= seen.depth
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:

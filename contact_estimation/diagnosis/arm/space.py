@@ -244,7 +244,7 @@ class ArmModels:
             model -= stand_in
         return model
 
-    def compositions(self) -> list[Scored]:
+    def compositions(self, rival: Scored) -> list[Scored]:
         """Return none: what acts on the joints adds up."""
         return []
 

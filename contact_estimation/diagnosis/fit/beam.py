@@ -29,8 +29,8 @@ class Space(Protocol):
     def extensions(self, one: Scored) -> list[Scored]:
         """Return the most promising models with one more effect."""
 
-    def compositions(self) -> list[Scored]:
-        """Return the nominal model with pairs of laws of which one acts on the other."""
+    def compositions(self, rival: Scored) -> list[Scored]:
+        """Return pairs of laws of which one acts on the other that fit better than a model."""
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models with a law of its family, or the likeliest, in the place of each law."""
@@ -65,7 +65,7 @@ def search(
         if not frontier and not composed and _may_matter(evidence, ranked[0], ranked[0]):
             # Neither of such a pair need be worth anything alone.
             composed = True
-            for one in space.compositions():
+            for one in space.compositions(ranked[0]):
                 _keep(evidence, pool, one)
         elif not frontier:
             break

@@ -264,20 +264,20 @@ class Share(NamedTuple):
     parts: Array  # (P,) share of each part
 
 
-def _misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
-    """Return what a model leaves beyond noise on each part left out, as a force squared, (P,)."""
+def misfits(evidence: Evidence, one: Scored, channel: int | None) -> Array:
+    """Return what a model leaves beyond noise on each part left out, (P,), as a force squared."""
     beyond = one.counts * (one.left_out - 1.0) * evidence.as_force
     return np.asarray(beyond.sum(axis=1) if channel is None else beyond[:, channel])
 
 
 def taken(evidence: Evidence, before: Scored, after: Scored, channel: int | None = None) -> Array:
     """Return the misfit that is left before a law and not after it, shape (P,) [N^2]."""
-    return _misfits(evidence, before, channel) - _misfits(evidence, after, channel)
+    return misfits(evidence, before, channel) - misfits(evidence, after, channel)
 
 
 def share_of(evidence: Evidence, gain: Array, channel: int | None = None) -> Share:
     """Return a misfit that is taken away, shape (P,) [N^2], as a share of that of the base."""
-    base = _misfits(evidence, evidence.base, channel)
+    base = misfits(evidence, evidence.base, channel)
     noise = (evidence.base.counts * evidence.as_force).sum(axis=1)
     base = np.maximum(base, max(SLIGHT * float(base.mean()), SLIGHT * float(noise.mean())))
     weights = np.minimum(1.0, _OUTWEIGHS * np.median(base) / base)

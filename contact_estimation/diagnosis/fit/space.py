@@ -126,6 +126,7 @@ _TRIED, _FOLLOWED, _SCORED = 12, 8, 6
 _OF_FAMILY = 2  # of them; `siblings` has the others
 _STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
 _BEGUN, _BRIEF, _LONGER, _TO_THE_END = 2, 4, 8, 25  # steps of fits
+_OUT_OF_REACH = 2.0  # times the cost: 10 nats, of the freedom of discrepancies on five parts
 
 
 class ContactModels:
@@ -167,7 +168,8 @@ class ContactModels:
             stds[0] = 1.0
             return stds
         for k, channel in enumerate(one.channels(self._base.model)):
-            stds[k] = channel.noise / np.sqrt(channel.block)
+            noise = channel.noise_of_means[channel.filled]  # the motion's errors are in it
+            stds[k] = 1.0 / np.sqrt(np.mean(noise**-2.0)) if len(noise) else channel.noise
         stds[1] *= force_of_motion(one, self._base.model)
         return stds**2
 
@@ -230,18 +232,20 @@ class ContactModels:
                     seen[EFFECTS[name].family] += 1
         return found
 
-    def compositions(self) -> list[Scored]:
+    def compositions(self, rival: Scored) -> list[Scored]:
         """Fit the nominal model with each relaxation of each elastic law."""
         recordings = self.weighed(self._base.model)
         begun = [fit(recordings, model, _LONGER) for model in self._screening.composed()]
-        nearest = ranked(begun, lambda one: one.cost)[:_SCORED]
-        finished = [self._finished(one.model, _TO_THE_END) for one in nearest]
+        least = fit_at(recordings, rival.found.found.model).cost
+        nearest = [one for one in ranked(begun, lambda one: one.cost) if one.cost < least]
+        finished = [self._finished(one.model, _TO_THE_END) for one in nearest[:_SCORED]]
         return [one for one in finished if one is not None]
 
     def siblings(self, one: Scored) -> list[Scored]:
         """Put other laws in the place of each: of its family, and of the likeliest other one."""
         model, found = one.found.found.model, list[Scored | None]()
         recordings = self.weighed(model)
+        here = fit_at(recordings, model).cost
         for name in _laws(model):
             rest = model.without(name)
             taken = one.named - {EFFECTS[name].family}
@@ -251,10 +255,10 @@ class ContactModels:
             families = dict.fromkeys([EFFECTS[other].family for other in (name, *steps)])
             alike = list(families)[:2]  # the likeliest beside its own
             present = fit_at(recordings, rest).cost
-            found += [
-                self._finished(self._tried(recordings, present, near).model, _TO_THE_END)
-                for other, near in steps.items()
-                if other != name and EFFECTS[other].family in alike]
+            tried = [self._tried(recordings, present, near) for other, near in steps.items()
+                     if other != name and EFFECTS[other].family in alike]
+            found += [self._finished(each.model, _TO_THE_END) for each in tried
+                      if each.cost < _OUT_OF_REACH * here]
         return [each for each in found if each is not None]
 
     def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:

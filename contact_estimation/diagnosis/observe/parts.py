@@ -217,15 +217,18 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     Choose what is held out of a recording: a whole episode, or a late block of each third.
 
     Never the deepest episode, which would be extrapolation; the nearest to the middle.
-    Of one or two episodes the last, or an attached wall, each third spares a block of its last
-    three fifths, a fifteenth of the whole: one block alone may lie where any model is right.
+    Of one or two episodes, or an attached wall, each third spares a block of its last three
+    fifths, a fifteenth of the whole: one block alone may lie where any model is right.
     Blocks are chosen, where possible, at depths and forces that occur in the rest too. All have
     as much force over way and time: none lies where a tool has left or amplitudes are small.
     """
     o = observed
     found = episodes(model, o)
     if len(found) < _FEW:
-        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))))
+        touching = np.full(len(o.t), not found)
+        for first, stop in found:
+            touching[first:stop] = True
+        return _late_blocks(o, touching)
     depth = [float(np.max(o.x[first:stop])) for first, stop in found]
     others, middle = set(range(len(found))) - {int(np.argmax(depth))}, len(found) // 2
     chosen = min(others, key=lambda k: (abs(k - middle), k))
@@ -237,19 +240,17 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     return HeldOut(f'episode {chosen + 1}', samples)
 
 
-def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
+def _late_blocks(o: Observed, touching: Flags) -> HeldOut:
     """Hold out a late block of each third; all blocks have as much force over way and time."""
     count = _THIRDS * _BLOCKS
-    if stop - first < count:  # a contact of fewer samples than blocks
-        first, stop = 0, len(o.t)
-    way = np.abs(np.diff(o.x[first:stop]))
-    told = np.cumsum(np.abs(o.force[first + 1:stop]) * (way / max(way.mean(), 1e-300) + 1.0))
-    edges = first + np.searchsorted(told, told[-1] * np.arange(count + 1) / count)
+    way = np.append(0.0, np.abs(np.diff(o.x)) * (touching[1:] & touching[:-1]))
+    told = np.cumsum(np.abs(o.force) * touching * (way / max(way.mean(), 1e-300) + 1.0))
+    edges = np.searchsorted(told, told[-1] * np.arange(count + 1) / count)
     samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
     for third in range(_THIRDS):
         numbers = [third * _BLOCKS + k for k in _LATE]
-        blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
+        blocks = [(int(edges[k]), int(max(edges[k + 1], edges[k] + 1))) for k in numbers]
         begin, end = max(
             blocks, key=lambda pair: _visited(o.x, *pair) + _visited(o.force, *pair))
         samples[begin:end] = True

@@ -39,6 +39,7 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
                          for part in d.holdouts],
             'force_between_samples': d.between_samples,
             'reference_held': d.holds_reference, 'rests_left_out': d.rests_left_out,
+            'held_out_chose': d.held_out_chose,
             'left_over_noise': d.residual_power,
         },
         'evidence': d.evidence,

@@ -160,8 +160,10 @@ def mismatch(diagnosis: Diagnosis) -> str:
 
 
 def how_it_was_read(diagnosis: Diagnosis) -> list[str]:
-    """Return what was assumed of the inputs between samples and at rest, in sentences."""
+    """Return what was assumed of the inputs, and what held-out data decided, in sentences."""
     d, said = diagnosis, []
+    if d.held_out_chose:
+        said.append('The held-out part refuted the likeliest model, and chose among all.')
     if d.rests_left_out:
         said.append('Where the drive stands still was left out: friction holds any force there.')
     if d.between_samples in _BETWEEN:
