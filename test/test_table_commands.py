@@ -69,7 +69,7 @@ def test_a_wrong_sign_is_told_and_changed_by_its_column(
     rows = np.column_stack([signals['t'], -signals['wrench.force.x'], signals['joint.contact_x']])
     np.savetxt(tmp_path / 'a.csv', rows, delimiter=',', header='t,F,x', comments='')
     refused = replay(tmp_path / 'a.csv')
-    assert refused.code and 'a minus changes a sign: --columns' in refused.err
+    assert refused.code and 'a minus changes a sign: --columns wrench.force.x=-' in refused.err
     assert refused.err.count('set force_sign') == 1
     (tmp_path / 'a.yaml').write_text(
         'estimator_node: {ros__parameters: {environment: {location: .nan}}}')

@@ -139,7 +139,7 @@ def _nothing_estimated(
         causes = [ask()]
     cause = next(filter(None, causes + others), '')
     if reader.columns and 'force_sign' in cause:
-        cause += ' (a minus changes a sign: --columns wrench.force.z=-COLUMN)'
+        cause += f' (a minus changes a sign: --columns wrench.force.{axis}=-COLUMN)'
     said = '; '.join(filter(None, (
         cause, replay.session.checks.explain_no_contact(axis) if free else '')))
     withheld = any(one.invalidates for one in warned)  # the reasons repeat its text
