@@ -10,12 +10,14 @@ import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
-    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT, FORCE_RATE, FRICTION, Ints, MASS, NOISE,
-    OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
+    ACCELERATION, ACCELERATION_NOISE, Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT,
+    FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE,
+    scales, TIMES_RATE, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _TIMES: Ints = np.array([dict(zip(OF_RATE, TIMES_RATE))[column] for column in CHOSEN[:, 1]])
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
+_EXPLAIN: Ints = np.array([ONE, DEPTH, RATE])
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
@@ -95,7 +97,7 @@ class _Normal(NamedTuple):
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
-    blur: Array  # (N, 2) what the noise of the position may add to the information of K and B
+    blur: Array  # (N, 3) what the noise of the position may add to the information of K, B, M
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -110,7 +112,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 18, 18): one for each hypothesis
+    grams (N, 19, 19): one for each hypothesis
     """
     return _solved(_normal(grams, scene, what))
 
@@ -127,7 +129,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
-    grams, reliability, rate = _calibrated(grams)
+    grams, reliability, rate, rest = _calibrated(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -167,15 +169,17 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scatter = np.stack([
         gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one,
         gram[:, 1, 1] + scale[:, 1] ** 2 * rate * (
-            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times])], axis=1)
+            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times]),
+        np.where(DEEP[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
-def _calibrated(grams: Array) -> tuple[Array, Array, Array]:
+def _calibrated(grams: Array) -> tuple[Array, Array, Array, Array]:
     """
     Return Gram matrices with the depth expected at what was measured of it.
 
-    Returns also the reliability of depth and rate, (N, 2), and the mean rate, (N,).
+    Returns also the reliability of depth, rate and acceleration, (N, 3), the mean rate, and what
+    of the acceleration the others do not explain, (N,).
 
     Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
     would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
@@ -194,7 +198,31 @@ def _calibrated(grams: Array) -> tuple[Array, Array, Array]:
     of_rate = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
     grams = _towards(grams, OF_RATE, of_rate, rate[:, None], TIMES_RATE)
     grams = _towards(grams, OF_DEPTH, reliability, mean, [ONE])
-    return grams, np.stack([reliability, of_rate], axis=1), rate
+    grams, of_acceleration, rest = _with_acceleration(grams)
+    return grams, np.stack([reliability, of_rate, of_acceleration], axis=1), rate, rest
+
+
+def _with_acceleration(grams: Array) -> tuple[Array, Array, Array]:
+    """
+    Return Gram matrices with the acceleration expected at what was measured of it.
+
+    In a single press it is nearly a linear function of depth and rate: what counts is how much of
+    it that they do not explain is noise. Returns also its reliability and that rest, (N,).
+    """
+    noise = grams[:, ACCELERATION_NOISE, ACCELERATION_NOISE]
+    known, own = grams[:, _EXPLAIN[:, None], _EXPLAIN], grams[:, _EXPLAIN, ACCELERATION]
+    unit = np.maximum(grams[:, _EXPLAIN, _EXPLAIN], 1e-30) ** -0.5
+    known = known * (unit[:, :, None] * unit[:, None, :]) + _RIDGE * np.eye(len(_EXPLAIN))
+    share = np.linalg.solve(known, (unit * own)[:, :, None])[:, :, 0] * unit
+    rest = np.maximum(grams[:, ACCELERATION, ACCELERATION] - (share * own).sum(1), 0.0)
+    reliability = 1.0 - np.minimum(noise / np.maximum(rest, noise + 1e-300), 1.0)
+    if reliability.min() > _CLEAN:
+        return grams, reliability, rest
+    grams, left = grams.copy(), reliability[:, None]
+    for rows in (grams, grams.transpose(0, 2, 1)):
+        explained = (share[:, None] @ rows[:, _EXPLAIN])[:, 0]
+        rows[:, ACCELERATION] = left * rows[:, ACCELERATION] + (1.0 - left) * explained
+    return grams, reliability, rest
 
 
 def _towards(
@@ -223,7 +251,7 @@ def _solved(equations: _Normal) -> Judged:
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
         P = np.where(sound[:, None, None], P, 0.0)
     if blur.any():
-        moved = P[:, :, :2] * (blur * theta[:, :2])[:, None]  # by another noise of the position
+        moved = P[:, :, :3] * (blur * theta[:, :3])[:, None]  # by another noise of the position
         P = P + moved @ moved.transpose(0, 2, 1)
     return Judged(evidence, theta, P)
 
