@@ -116,7 +116,8 @@ class Compensation:
         if len(path) <= 2 * apart:
             return 0.0
         (t_0, x_0), (t_1, x_1), (t_2, x_2) = (path[-1 - k * apart] for k in (2, 1, 0))
-        if not t_0 < t_1 < t_2 < t_0 + 3.0 * apart * self._period:
+        least, most = (apart * self._period * bound for bound in _REGULAR)
+        if not (least < t_1 - t_0 < most and least < t_2 - t_1 < most):
             return 0.0
         return 2.0 * ((x_2 - x_1) / (t_2 - t_1) - (x_1 - x_0) / (t_1 - t_0)) / (t_2 - t_0)
 
