@@ -234,6 +234,7 @@ class Blocks:
         of (1 - 2 p) s^2, p = a (1 - a), whose neighbours are correlated. Third differences of
         samples far apart show that, those of neighbours (1 - 3.5 p) s^2; means have s^2. Where
         several samples are on a line, 1 - 2 p is 2/3 on average, and means have as many times s^2.
+        Errors of stamps add their variance times the square of the rate.
         """
         apart = self._sparse + 1  # they share no joint state
         if recent.shape[1] <= 3 * apart:

@@ -18,6 +18,7 @@ _DIAGONAL = np.arange(UNKNOWNS)
 _TIMES: Ints = np.array([dict(zip(OF_RATE, TIMES_RATE))[column] for column in CHOSEN[:, 1]])
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
 _EXPLAIN: Ints = np.array([ONE, DEPTH, RATE])
+_EXPLAINED = np.arange(len(_EXPLAIN))
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
@@ -112,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 19, 19): one for each hypothesis
+    grams (N, 19, 19): one for each hypothesis; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 
@@ -129,7 +130,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
-    grams, reliability, rate, rest = _calibrated(grams)
+    reliability, rate, rest = _calibrate(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -174,68 +175,54 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
-def _calibrated(grams: Array) -> tuple[Array, Array, Array, Array]:
+def _calibrate(grams: Array) -> tuple[Array, Array, Array]:
     """
-    Return Gram matrices with the depth expected at what was measured of it.
+    Put what is expected of depth, rate and acceleration at the place of what was measured.
 
-    Returns also the reliability of depth, rate and acceleration, (N, 3), the mean rate, and what
-    of the acceleration the others do not explain, (N,).
+    Returns the reliability of each, (N, 3), the mean rate, and what of the acceleration the others
+    do not explain, (N,).
 
     Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
     would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
     place of y (regression calibration: Carroll et al., Measurement Error in Nonlinear Models,
     2006, ch. 4); a tool that rests tells nothing but its mean. The rate y' alike, whose noise
-    would bias the damping towards 0.
+    would bias the damping towards 0. Of the acceleration, depth and rate explain nearly all in a
+    single press: what counts is how much of the rest is noise.
     """
     of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
     mean = grams[:, OF_DEPTH, ONE] / of_one[:, None]
-    scatter = grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE]
-    noise = grams[:, NOISE, NOISE]
-    reliability = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
     rate = grams[:, RATE, ONE] / of_one
-    scatter = grams[:, RATE, RATE] - rate * grams[:, RATE, ONE]
-    noise = grams[:, RATE_NOISE, RATE_NOISE]
-    of_rate = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
-    grams = _towards(grams, OF_RATE, of_rate, rate[:, None], TIMES_RATE)
-    grams = _towards(grams, OF_DEPTH, reliability, mean, [ONE])
-    grams, of_acceleration, rest = _with_acceleration(grams)
-    return grams, np.stack([reliability, of_rate, of_acceleration], axis=1), rate, rest
-
-
-def _with_acceleration(grams: Array) -> tuple[Array, Array, Array]:
-    """
-    Return Gram matrices with the acceleration expected at what was measured of it.
-
-    In a single press it is nearly a linear function of depth and rate: what counts is how much of
-    it that they do not explain is noise. Returns also its reliability and that rest, (N,).
-    """
-    noise = grams[:, ACCELERATION_NOISE, ACCELERATION_NOISE]
+    of_depth = _reliability(
+        grams, NOISE, grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE])
+    of_rate = _reliability(grams, RATE_NOISE, grams[:, RATE, RATE] - rate * grams[:, RATE, ONE])
+    _move(grams, OF_RATE, of_rate, TIMES_RATE, rate[:, None, None] * np.eye(len(OF_RATE)))
+    _move(grams, OF_DEPTH, of_depth, [ONE], mean[:, :, None])
     known, own = grams[:, _EXPLAIN[:, None], _EXPLAIN], grams[:, _EXPLAIN, ACCELERATION]
-    unit = np.maximum(grams[:, _EXPLAIN, _EXPLAIN], 1e-30) ** -0.5
+    unit = np.maximum(known[:, _EXPLAINED, _EXPLAINED], 1e-30) ** -0.5
     known = known * (unit[:, :, None] * unit[:, None, :]) + _RIDGE * np.eye(len(_EXPLAIN))
     share = np.linalg.solve(known, (unit * own)[:, :, None])[:, :, 0] * unit
     rest = np.maximum(grams[:, ACCELERATION, ACCELERATION] - (share * own).sum(1), 0.0)
-    reliability = 1.0 - np.minimum(noise / np.maximum(rest, noise + 1e-300), 1.0)
+    of_acceleration = _reliability(grams, ACCELERATION_NOISE, rest)
+    _move(grams, [ACCELERATION], of_acceleration, _EXPLAIN, share[:, None])
+    return np.stack([of_depth, of_rate, of_acceleration], axis=1), rate, rest
+
+
+def _reliability(grams: Array, column: int, scatter: Array) -> Array:
+    """Return how much of a scatter is not the noise in a column."""
+    noise = grams[:, column, column]
+    return np.asarray(1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0))
+
+
+def _move(
+    grams: Array, columns: list[int], reliability: Array, sources: list[int] | Ints, table: Array
+) -> None:
+    """Move columns, as far as they are not reliable, to what others times a table explain."""
     if reliability.min() > _CLEAN:
-        return grams, reliability, rest
-    grams, left = grams.copy(), reliability[:, None]
+        return
+    share = reliability[:, None, None]
+    table = (1.0 - share) * table
     for rows in (grams, grams.transpose(0, 2, 1)):
-        explained = (share[:, None] @ rows[:, _EXPLAIN])[:, 0]
-        rows[:, ACCELERATION] = left * rows[:, ACCELERATION] + (1.0 - left) * explained
-    return grams, reliability, rest
-
-
-def _towards(
-    grams: Array, columns: list[int], share: Array, mean: Array, of_mean: list[int]
-) -> Array:
-    """Return Gram matrices whose columns have the noise taken out, towards those of a mean."""
-    if share.min() > _CLEAN:
-        return grams
-    grams, share = grams.copy(), share[:, None, None]
-    mean = (1.0 - share) * mean[:, :, None]
-    for rows in (grams, grams.transpose(0, 2, 1)):
-        rows[:, columns] = share * rows[:, columns] + mean * rows[:, of_mean]
-    return grams
+        rows[:, columns] = share * rows[:, columns] + table @ rows[:, sources]
 
 
 def _solved(equations: _Normal) -> Judged:

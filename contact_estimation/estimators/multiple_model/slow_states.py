@@ -122,7 +122,7 @@ class OwnData:
 
     def restart(self, gram: Array, rest: float) -> None:
         """Let it begin now, with the data of all others; log odds of the wall at rest."""
-        self.gram, self.gained = gram.copy(), rest
+        self.gram, self.gained = gram.copy(), 0.0
 
 
 class DoubtedRows(OwnData):
@@ -139,10 +139,6 @@ class DoubtedRows(OwnData):
     def __init__(self, law: int) -> None:
         super().__init__(law)
         self.coefficient, self.size = {MASS: 2, FRICTION: 4}[law], 0.0
-
-    def restart(self, gram: Array, rest: float) -> None:
-        """Let it begin now, with the data of all others."""
-        super().restart(gram, 0.0)
 
     def variance(self, phi: Array, period_s: float, noise: float) -> Array:
         """
@@ -203,7 +199,7 @@ class MovingWall(OwnData):
     def restart(self, gram: Array, rest: float) -> None:
         """Let it begin now, from the wall at rest, whose law has some log odds."""
         super().restart(gram, rest)
-        self.walked = 0.0
+        self.gained, self.walked = rest, 0.0
 
     def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
         """Let it begin now if it is less probable than that, by its log odds against rest."""
