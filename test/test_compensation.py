@@ -13,6 +13,7 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.compensation import Compensation
 from contact_estimation.physics.viscoelastic_relaxation import ViscoelasticRelaxation
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.known_physics import compensation_of
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.plant.closed_loop import run_closed_loop
@@ -172,3 +173,12 @@ def test_nothing_is_learned_at_the_end_of_the_sensor_s_range() -> None:
     estimates = EstimationPipeline(parameters_of('force_saturation')).process(samples)
     clipped = [e.status for e, s in zip(estimates, samples) if s.force < -44.5]
     assert len(clipped) > 300 and EstimateStatus.ESTIMATING not in clipped
+
+
+def test_the_mass_of_a_tool_brings_little_noise_of_the_position_into_the_force() -> None:
+    x = 1e-5 * np.random.default_rng(1).standard_normal(400)  # 15 m/s^2 between samples
+    p = build(EstimationParameters, {'physics.tool_inertia.mass': 0.5})
+    compensation = compensation_of(p)
+    felt = [compensation.take(ContactSample(2_000_000 * k, x_k, nan, 0.0), nan, 0.0).pressing
+            for k, x_k in enumerate(x.tolist())]
+    assert 0.0 < np.std(felt) < 0.2

@@ -522,3 +522,26 @@ def test_what_noise_may_be_is_not_measured() -> None:
     contact_filter.start(2.0 * np.random.default_rng(1).standard_normal(20), True)
     assert contact_filter.measured_std == pytest.approx(2.0, rel=0.5)
     assert contact_filter.noise_std > 2.0 * contact_filter.measured_std
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_errors_of_stamps_do_not_hide_a_mass_in_a_single_press(seed: int) -> None:
+    samples = contact(lambda d, v, a: 1e3 * d + 8.0 * v + 2.0 * a, 2.0, 0.03, 0.0, seed=seed)
+    stamps = samples.t + 1e-4 * np.random.default_rng(100 + seed).standard_normal(len(samples.t))
+    posterior = fed(samples._replace(x=np.interp(stamps, samples.t, samples.x)))
+    known = posterior.known
+    assert posterior.wall.law == 'mass'
+    assert within(known.stiffness, 1e3, known.stiffness_std)
+
+
+def test_noise_of_the_position_is_larger_in_motion_where_stamps_have_errors() -> None:
+    samples = contact(spring_damper(K, B), 6.0, shaken=0.0, presses=((1.0, 5.8),))
+    stamps = samples.t + 1e-4 * np.random.default_rng(1).standard_normal(len(samples.t))
+    x, found = np.interp(stamps, samples.t, samples.x), {}
+    posterior = WallPosterior(0.0, 2e-3)
+    for t, force, at in zip(samples.t, samples.force, x):
+        posterior.take(t, force, at)
+        found[round(t, 3)] = posterior.blocks.noise[0] ** 0.5
+    assert found[0.9] < 2e-6
+    assert 3e-6 < found[1.18] < 3e-5  # at up to 0.1 m/s
+    assert found[2.0] < 2e-6

@@ -28,6 +28,7 @@ _REGULAR = 0.5, 1.5  # sample periods between samples over which motion is diffe
 _NOMINAL = 10  # samples that the nominal sample period counts as
 _AVERAGED = 100  # samples over which the sample period is averaged
 _LONGEST = 40.0  # sample periods that a gap counts in the average; bursts of stamps are shorter
+_SLOW_S, _MOST_APART = 0.01, 50  # between positions that tell a slow acceleration, in samples
 
 IRREGULAR = 'stamps too irregular for the acceleration that physics needs'
 CLIPPED = 'the force is at the end of the range of the sensor'
@@ -65,11 +66,12 @@ class Compensation:
         self._before = nan  # measured at the sample before the last [m/s]
         self._period, self._count = 1.0 / sample_rate, _NOMINAL  # mean period [s], and of how many
         self._forces: deque[float] = deque(maxlen=3)
+        self._path: deque[tuple[float, float]] = deque(maxlen=2 * _MOST_APART + 1)  # t [s], x [m]
 
     @property
     def inertia(self) -> float:
-        """M_e of the wall [kg]."""
-        return self._wall.inertia
+        """M_e of the wall and mass of the tool [kg]."""
+        return self._wall.inertia + self._tool
 
     @property
     def acts(self) -> bool:
@@ -102,7 +104,22 @@ class Compensation:
             depth, R, _, travel, v, column, slope, hindered = terms[-1]
             return CompensatedSample(depth, pressing + self._wall.free_force, pressing - R, travel,
                                      v, column, slope, 0.0, hindered or hindrance)
-        return self._averaged(terms, pressing + self._wall.free_force - tool, tool, hindrance)
+        felt = pressing + self._wall.free_force - self._tool * self._slow_acceleration(now)
+        return self._averaged(terms, felt, tool, hindrance)
+
+    def _slow_acceleration(self, now: Motion) -> float:
+        """Return an acceleration that does not hide a touch in its noise [m/s^2]."""
+        if now.velocity == now.velocity or not self._tool:
+            return now.acceleration
+        path, apart = self._path, min(max(round(_SLOW_S / self._period), 1), _MOST_APART)
+        path.append((now.t, now.x))
+        if len(path) <= 2 * apart:
+            return 0.0
+        (t_0, x_0), (t_1, x_1), (t_2, x_2) = (path[-1 - k * apart] for k in (2, 1, 0))
+        least, most = (apart * self._period * bound for bound in _REGULAR)
+        if not (least < t_1 - t_0 < most and least < t_2 - t_1 < most):
+            return 0.0
+        return 2.0 * ((x_2 - x_1) / (t_2 - t_1) - (x_1 - x_0) / (t_1 - t_0)) / (t_2 - t_0)
 
     def _motion(self, sample: ContactSample) -> tuple[Motion, bool]:
         """Return the motion, and whether its acceleration is known."""
@@ -160,7 +177,7 @@ class Compensation:
         if not hindrance and len(terms) < 3:
             hindrance = WAITING
         return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope,
-                                 last.inertial_force, hindrance)
+                                 last.inertial_force + tool, hindrance)
 
 
 def _memory(effects: Sequence[Any]) -> Memory:

@@ -80,7 +80,7 @@ class CompensatedSample(NamedTuple):
     # stiffness_column, constant_column: phi_K [m], and its slope over the depth
     stiffness_column: float
     constant_column: float
-    inertial_force: float  # force of M_e that `rest` is less of [N]
+    inertial_force: float  # force of M_e and the tool that `rest` is less of [N]
     hindrance: str  # why the relation does not hold; '' where it does
 
 

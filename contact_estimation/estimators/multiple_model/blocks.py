@@ -9,6 +9,7 @@ from math import inf, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from .constants import JITTER_S
 from .contact import ContactFilter
 from .laws import Array
 from .smoothing import Smoothing
@@ -24,6 +25,7 @@ _BELIEVED = 10  # samples in a row
 _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
 _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
 _NOISE_SAMPLES = 200  # over which the noise of the position is averaged
+_GREATEST_GAIN = 0.8  # at which noise stays positive
 _JUMP = 6.0  # standard deviations of a difference that is no noise
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
 FIRST = 20
@@ -49,7 +51,10 @@ class Blocks:
     def __init__(self, position_noise: float) -> None:
         self._least = position_noise * position_noise
         self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
-        self.noise, self._spread = (nan, nan), ((nan, nan), (nan, nan))
+        self.noise = nan, nan
+        # Of samples far from each other and of neighbours: variance at rest of position and rate,
+        # and that of their stamps [s^2].
+        self._parts = np.full((2, 2, 2), nan)
         self._sparse = 1  # samples from one joint state to the next
         self._since = self._until = nan  # between which the period is measured
         self._selected: tuple[Array, Array, Array, NDArray[np.bool_]]
@@ -229,29 +234,31 @@ class Blocks:
         of (1 - 2 p) s^2, p = a (1 - a), whose neighbours are correlated. Third differences of
         samples far apart show that, those of neighbours (1 - 3.5 p) s^2; means have s^2. Where
         several samples are on a line, 1 - 2 p is 2/3 on average, and means have as many times s^2.
+        Errors of stamps add their variance times the square of the rate.
         """
         apart = self._sparse + 1  # they share no joint state
         if recent.shape[1] <= 3 * apart:
             return
-        gain, spread = min(count / _NOISE_SAMPLES, 1.0), list[float]()
-        for step, before in zip((apart, 1), self._spread):
+        gain, found = min(count / _NOISE_SAMPLES, _GREATEST_GAIN), list[list[float]]()
+        for step, parts in zip((apart, 1), self._parts):
             first = recent[:, step:] - recent[:, :-step]
             third = first[:, 2 * step:] - 2.0 * first[:, step:-step] + first[:, :-2 * step]
             squares = third * third / 20.0
-            most = [[9.0 * before[0]], [9.0 * before[1]]]
-            sums = np.add.reduce(np.minimum(squares, most), axis=1).tolist()
-            for own, known, total in zip(squares, before, sums):
-                if known == known:
-                    known += gain * (total / len(own) - known)
-                elif own[0] == own[0]:
-                    known = float(np.median(own)) / 0.455
-                spread.append(known)
-        self._spread = (spread[0], spread[1]), (spread[2], spread[3])
+            new = np.isnan(parts[0])
+            parts[0, new] = np.maximum(
+                np.median(squares[new], axis=1) / 0.455, squares[new].mean(axis=1) / 9.0) + 1e-20
+            parts[1, new] = 2.0 * JITTER_S * JITTER_S  # of stamps of both
+            moved = np.square(first).mean(axis=1) - 2.0 * parts[0]
+            rate = np.maximum(moved, 0.0) / (step * self.period_s) ** 2  # its square
+            both = np.stack([parts[0], parts[1] * rate])
+            total = both.sum(axis=0)
+            mean = np.minimum(squares, 9.0 * total[:, None]).mean(axis=1)
+            parts *= 1.0 + gain * (mean - total) / np.square(both).sum(axis=0) * both
+            found.append((parts[0] + parts[1] * rate).tolist())
         if self._sparse > 1:
-            noise = [1.5 * self._sparse * far for far in spread[:2]]
+            noise = [1.5 * self._sparse * far for far in found[0]]
         else:
-            noise = [far + 4.0 / 3.0 * max(far - near, 0.0)
-                     for far, near in zip(spread[:2], spread[2:])]
+            noise = [far + 4.0 / 3.0 * max(far - near, 0.0) for far, near in zip(*found)]
         self.noise = max(noise[0], self._least, 1e-20), max(noise[1], 1e-20)
 
     def select(self, windows: int, contact: ContactFilter, later: int = 0) -> bool:

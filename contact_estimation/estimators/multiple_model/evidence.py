@@ -10,12 +10,15 @@ import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
-    Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT, FORCE_RATE, FRICTION, Ints, MASS, NOISE,
-    OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE, scales, TIMES_RATE, UNKNOWNS)
+    ACCELERATION, ACCELERATION_NOISE, Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT,
+    FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE,
+    scales, TIMES_RATE, UNKNOWNS)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _TIMES: Ints = np.array([dict(zip(OF_RATE, TIMES_RATE))[column] for column in CHOSEN[:, 1]])
 _FLAT: Ints = (COLUMNS * CHOSEN[:, :, None] + CHOSEN[:, None, :]).reshape(len(CHOSEN), -1)
+_EXPLAIN: Ints = np.array([ONE, DEPTH, RATE])
+_EXPLAINED = np.arange(len(_EXPLAIN))
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
@@ -95,7 +98,7 @@ class _Normal(NamedTuple):
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
-    blur: Array  # (N, 2) what the noise of the position may add to the information of K and B
+    blur: Array  # (N, 3) what the noise of the position may add to the information of K, B, M
 
 
 def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
@@ -110,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 18, 18): one for each hypothesis
+    grams (N, 19, 19): one for each hypothesis; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 
@@ -127,7 +130,7 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
-    grams, reliability, rate = _calibrated(grams)
+    reliability, rate, rest = _calibrate(grams)
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
     flat = grams.reshape(count, -1)
@@ -167,47 +170,59 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scatter = np.stack([
         gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one,
         gram[:, 1, 1] + scale[:, 1] ** 2 * rate * (
-            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times])], axis=1)
+            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times]),
+        np.where(DEEP[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
-def _calibrated(grams: Array) -> tuple[Array, Array, Array]:
+def _calibrate(grams: Array) -> tuple[Array, Array, Array]:
     """
-    Return Gram matrices with the depth expected at what was measured of it.
+    Put what is expected of depth, rate and acceleration at the place of what was measured.
 
-    Returns also the reliability of depth and rate, (N, 2), and the mean rate, (N,).
+    Returns the reliability of each, (N, 3), the mean rate, and what of the acceleration the others
+    do not explain, (N,).
 
     Of the scatter of the depth about its mean a share 1 - lambda is noise of the position, which
     would bias the stiffness to lambda K. E[y | measured] = mean + lambda (y - mean) takes the
     place of y (regression calibration: Carroll et al., Measurement Error in Nonlinear Models,
     2006, ch. 4); a tool that rests tells nothing but its mean. The rate y' alike, whose noise
-    would bias the damping towards 0.
+    would bias the damping towards 0. Of the acceleration, depth and rate explain nearly all in a
+    single press: what counts is how much of the rest is noise.
     """
     of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
     mean = grams[:, OF_DEPTH, ONE] / of_one[:, None]
-    scatter = grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE]
-    noise = grams[:, NOISE, NOISE]
-    reliability = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
     rate = grams[:, RATE, ONE] / of_one
-    scatter = grams[:, RATE, RATE] - rate * grams[:, RATE, ONE]
-    noise = grams[:, RATE_NOISE, RATE_NOISE]
-    of_rate = 1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0)
-    grams = _towards(grams, OF_RATE, of_rate, rate[:, None], TIMES_RATE)
-    grams = _towards(grams, OF_DEPTH, reliability, mean, [ONE])
-    return grams, np.stack([reliability, of_rate], axis=1), rate
+    of_depth = _reliability(
+        grams, NOISE, grams[:, DEPTH, DEPTH] - mean[:, 0] * grams[:, DEPTH, ONE])
+    of_rate = _reliability(grams, RATE_NOISE, grams[:, RATE, RATE] - rate * grams[:, RATE, ONE])
+    _move(grams, OF_RATE, of_rate, TIMES_RATE, rate[:, None, None] * np.eye(len(OF_RATE)))
+    _move(grams, OF_DEPTH, of_depth, [ONE], mean[:, :, None])
+    known, own = grams[:, _EXPLAIN[:, None], _EXPLAIN], grams[:, _EXPLAIN, ACCELERATION]
+    unit = np.maximum(known[:, _EXPLAINED, _EXPLAINED], 1e-30) ** -0.5
+    known = known * (unit[:, :, None] * unit[:, None, :]) + _RIDGE * np.eye(len(_EXPLAIN))
+    share = np.linalg.solve(known, (unit * own)[:, :, None])[:, :, 0] * unit
+    rest = np.maximum(grams[:, ACCELERATION, ACCELERATION] - (share * own).sum(1), 0.0)
+    of_acceleration = _reliability(grams, ACCELERATION_NOISE, rest)
+    _move(grams, [ACCELERATION], of_acceleration, _EXPLAIN, share[:, None])
+    return np.stack([of_depth, of_rate, of_acceleration], axis=1), rate, rest
 
 
-def _towards(
-    grams: Array, columns: list[int], share: Array, mean: Array, of_mean: list[int]
-) -> Array:
-    """Return Gram matrices whose columns have the noise taken out, towards those of a mean."""
-    if share.min() > _CLEAN:
-        return grams
-    grams, share = grams.copy(), share[:, None, None]
-    mean = (1.0 - share) * mean[:, :, None]
+def _reliability(grams: Array, column: int, scatter: Array) -> Array:
+    """Return how much of a scatter is not the noise in a column."""
+    noise = grams[:, column, column]
+    return np.asarray(1.0 - np.minimum(noise / np.maximum(scatter, noise + 1e-300), 1.0))
+
+
+def _move(
+    grams: Array, columns: list[int], reliability: Array, sources: list[int] | Ints, table: Array
+) -> None:
+    """Move columns, as far as they are not reliable, to what others times a table explain."""
+    if reliability.min() > _CLEAN:
+        return
+    share = reliability[:, None, None]
+    table = (1.0 - share) * table
     for rows in (grams, grams.transpose(0, 2, 1)):
-        rows[:, columns] = share * rows[:, columns] + mean * rows[:, of_mean]
-    return grams
+        rows[:, columns] = share * rows[:, columns] + table @ rows[:, sources]
 
 
 def _solved(equations: _Normal) -> Judged:
@@ -223,7 +238,7 @@ def _solved(equations: _Normal) -> Judged:
         evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
         P = np.where(sound[:, None, None], P, 0.0)
     if blur.any():
-        moved = P[:, :, :2] * (blur * theta[:, :2])[:, None]  # by another noise of the position
+        moved = P[:, :, :3] * (blur * theta[:, :3])[:, None]  # by another noise of the position
         P = P + moved @ moved.transpose(0, 2, 1)
     return Judged(evidence, theta, P)
 

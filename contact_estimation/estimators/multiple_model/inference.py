@@ -17,8 +17,8 @@ from .contact import CONTACT, ContactFilter
 from .evidence import (
     Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
 from .laws import (
-    ACCELERATION, Array, CURVED, DEEP, EXPONENT, FORCE, IMPARTIAL, Ints, KELVIN_VOIGT, LOG_PRIOR,
-    MASS, MOVING, NAMES, POWERS, RATE)
+    ACCELERATION, ACCELERATION_NOISE, Array, CURVED, DEEP, EXPONENT, FORCE, IMPARTIAL, Ints,
+    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
 from .residuals import Residuals
 from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
 from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
@@ -45,7 +45,7 @@ class WallInference:
     known: what is known of the wall
     residuals: what the best law leaves of the force
     changes: how often the wall has become another
-    inertia: known mass that moves with the wall, whose force the samples contain [kg]
+    inertia: known mass that moves with the tool, whose force the samples contain [kg]
     """
 
     def __init__(
@@ -175,7 +175,7 @@ class WallInference:
         phi = blocks.rows(self._sums.x0)
         phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
-        weights = self._weights(phi)
+        weights, told = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
         waits = self.rhythm.waits(surprise)
         if (alarmed or surprise > SURPRISE) and known.valid:
@@ -183,7 +183,7 @@ class WallInference:
             kept = blocks.next_to_jumps(wall, self._contact.variance)
             weights = weights * (np.minimum.accumulate(kept) if waits else kept)
         yield
-        self._add((phi * weights) @ phi.T, phi)
+        self._add(phi, weights, told)
         due = self.rhythm.is_due(surprise) and not waits
         if self._contact.state == CONTACT:
             blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
@@ -214,7 +214,7 @@ class WallInference:
         surface, std = found
         if std < _STRADDLES * sums.move_to(surface):
             phi = smooth.rows(force, x, np.full(len(x), nan), sums.x0, self._blocks.noise, True)
-            self._add((phi * self._weights(phi)) @ phi.T, phi)
+            self._add(phi, *self._weights(phi))
             yield
             if self.rhythm.blocks <= _START:
                 sums.find_scale(self.scene)
@@ -252,21 +252,33 @@ class WallInference:
             yield
             yield from self._judge()
 
-    def _weights(self, phi: Array) -> Array:
-        """Return samples a row over its variance, with K_e and B_e as known."""
-        K = self._sums.scale
-        return self.residuals.weights(phi, K, K * max(self._sums.seconds - self.lag.lag[0], 0.0))
+    def _weights(self, phi: Array) -> tuple[Array, list[Array]]:
+        """
+        Return samples a row over its variance, with the wall as known.
 
-    def _add(self, gram: Array, phi: Array) -> None:
+        Returns also what each of the laws that doubt rows divides that by.
+        """
+        sums, smooth, best = self._sums, self._blocks.smoothing, self.residuals.best
+        own = [one.variance(phi, self._blocks.period_s, smooth.noise) for one in sums.doubting]
+        unknown = np.square(self.inertia * phi[ACCELERATION_NOISE]) / smooth.noise
+        for k, one in enumerate(sums.doubting):
+            if best is not None and one.law == best[0][0]:  # then all doubt them
+                unknown, own[k] = unknown + own[k], 0.0 * own[k]
+        K, B = sums.scale, sums.scale * max(sums.seconds - self.lag.lag[0], 0.0)
+        weights = self.residuals.weights(phi, K, B, unknown)
+        return weights, [1.0 + weights / smooth.hop * one for one in own]
+
+    def _add(self, phi: Array, weights: Array, told: list[Array]) -> None:
         """Add a block to all that is known; the older, the less."""
-        seconds = phi.shape[1] * self._blocks.smoothing.hop * self._blocks.period_s
+        smooth = self._blocks.smoothing
+        seconds = phi.shape[1] * smooth.hop * self._blocks.period_s
         if self._touched is not None:
             if self.rhythm.blocks:
                 self._sums.runs.begin(self._touched)
             self._touched = None
         self.rhythm.add(seconds)
         self._outward = self._outward + 1 if float(phi[RATE].mean()) < 0.0 else 0
-        self._sums.add(gram, phi, seconds)
+        self._sums.add(phi, weights, told, seconds, smooth.hop * smooth.noise)
 
     def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
@@ -282,12 +294,19 @@ class WallInference:
             far = np.hypot(what.std[own], one.walked)
             of_law[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
             what.std[own] = far
+        for other in sums.doubting:
+            own = what.law == other.law
+            grams[own] = other.gram
+            of_law[own] += other.gained
         judged = yield from judge_in_parts(grams, scene, what)
         yield
         prior = sums.place_prior
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
+        for other in sums.doubting:
+            best = int(np.where(what.law == other.law, odds, -inf).argmax())
+            other.size = float(judged.theta[best, other.coefficient])
         yield
         change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
         if self._of_laws is None or not (self.rhythm.surprised or self._doubted):

@@ -28,12 +28,13 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
- POWER_CURVE, SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE) = range(18)
+ POWER_CURVE, SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE,
+ ACCELERATION_NOISE) = range(19)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
 S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviations of
-S0 y and S1 y, whose squares say how much of the scatter of depth and rate is noise."""
+S0 y, S1 y and S2 y, whose squares say how much of the scatter of each is noise."""
 
-COLUMNS = 18
+COLUMNS = 19
 OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE]
 """Columns that are functions of the depth."""
 
@@ -151,7 +152,7 @@ def shifted_table(delta: float) -> Array:
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, else to second order.
 
     delta: how far into the wall [m]
-    Returns matrix (18, 18): new columns from old ones
+    Returns matrix (19, 19): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

@@ -13,8 +13,7 @@ from .constants import JITTER_S, MODEL_ERROR, MODEL_ERROR_S
 from .contact import ContactFilter
 from .evidence import Scene
 from .laws import (
-    Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, FRICTION, Ints, POWERS, scales,
-    SIGN, UNKNOWNS)
+    Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, Ints, POWERS, scales, UNKNOWNS)
 from .slow_states import Knowledge
 
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
@@ -52,18 +51,19 @@ class Residuals:
         error = MODEL_ERROR * force
         return self._contact.variance + error * error * (MODEL_ERROR_S / self._blocks.period_s)
 
-    def weights(self, phi: Array, K: _Force, B: _Force) -> Array:
-        """Return samples a row over its variance: of noises, stamps, and errors of any model."""
+    def weights(self, phi: Array, K: _Force, B: _Force, unknown: Array) -> Array:
+        """
+        Return samples a row over its variance: of noises, stamps, and errors of any model.
+
+        K, B: for the noise of the position [N/m], [N s/m]
+        unknown (N,): variance of what else is not known of a sample [N^2]
+        """
         force, smooth = phi[FORCE], self._blocks.smoothing
-        unknown = 0.0  # variance of friction at a rate of unknown sign [N^2]
         if self.best is not None:  # a curved wall is stiffer where it is deeper
-            law, theta, scene = self.best
+            law, _, scene = self.best
             depth = np.maximum(phi[DEPTH] / scene.depth, 0.0)
             stiffer, damped = depth ** POWERS[:, law]
             K, B = EXPONENT[law] * K * stiffer, B * damped
-            if law[0] == FRICTION:
-                unknown = theta[4] ** 2 * (1.0 - np.square(phi[SIGN])) * (
-                    MODEL_ERROR_S / self._blocks.period_s)
         variance = (self.variance_of(force) + unknown + np.square(JITTER_S * phi[FORCE_RATE])
                     + self._blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)

@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
-from .laws import Array, COLUMNS, DEPTH, DRIFTING, LOG_PRIOR, MOVING, ONE
+from .constants import LAG_TAIL, LONGEST_LAG_S, MODEL_ERROR_S, POLES_STD, TWO_POLES, WALK
+from .laws import (
+    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, LOG_PRIOR, MASS,
+    MOVING, ONE, SIGN)
 
 
 SURE = 0.3
@@ -102,7 +104,67 @@ def lag_prior(tau: float, timing_std: float) -> tuple[float, float]:
     return (0.0, 0.1 * timing_std) if tau == tau else (1.2 * timing_std, timing_std)
 
 
-class MovingWall:
+class OwnData:
+    """
+    The Gram matrix of a law for which the data are not what they are for all others.
+
+    law: index of NAMES
+    gram (19, 19): of all blocks
+    gained: log odds to be added to its evidence
+    """
+
+    def __init__(self, law: int) -> None:
+        self.law, self.gram, self.gained = law, np.zeros((COLUMNS, COLUMNS)), 0.0
+
+    def move(self, table: Array) -> None:
+        """Move the reference of all columns; see `shifted_table`."""
+        self.gram = table @ self.gram @ table.T
+
+    def restart(self, gram: Array, rest: float) -> None:
+        """Let it begin now, with the data of all others; log odds of the wall at rest."""
+        self.gram, self.gained = gram.copy(), 0.0
+
+
+class DoubtedRows(OwnData):
+    """
+    Data of a law that is less sure of some rows than others are.
+
+    What friction is at a rate of unknown sign is noise, and so is that of the acceleration times
+    a mass; under these laws alone.
+
+    coefficient: index of what the law has beside a spring and a damper
+    size: of it as last judged, friction [N] or mass [kg]
+    """
+
+    def __init__(self, law: int) -> None:
+        super().__init__(law)
+        self.coefficient, self.size = {MASS: 2, FRICTION: 4}[law], 0.0
+
+    def variance(self, phi: Array, period_s: float, noise: float) -> Array:
+        """
+        Return what the variance of samples has under this law alone, (N,) [N^2].
+
+        phi (19, N): rows
+        period_s, noise: of the samples [s], and variance of S0 of white noise of variance 1
+        """
+        if self.law == FRICTION:
+            share = (1.0 - np.square(phi[SIGN])) * (MODEL_ERROR_S / period_s)
+        else:
+            share = np.square(phi[ACCELERATION_NOISE]) / noise
+        return np.asarray(self.size * self.size * share)
+
+    def add(self, phi: Array, weights: Array, told: Array, fade: float, samples: float) -> None:
+        """
+        Add a block.
+
+        weights, told (N,): of its rows phi, and what they are divided by under this law
+        samples: independent ones in a row
+        """
+        self.gram = self.gram * fade + (phi * (weights / told)) @ phi.T
+        self.gained = fade * self.gained - 0.5 * samples * float(np.log(told).sum())
+
+
+class MovingWall(OwnData):
     """
     The Gram matrix of a wall whose s(t) = -K delta(t), or K(t), is a random walk, and its odds.
 
@@ -110,15 +172,12 @@ class MovingWall:
     Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
     log(1 + Q g_s) / 2. A step of K alike, g being the column of the depth.
 
-    law: MOVING or DRIFTING
-    gram (18, 18): of all blocks
     walked: how far its surface may have come since it was at rest, by steps of one sign [m]
     """
 
     def __init__(self, law: int) -> None:
-        self.law, self.gram = law, np.zeros((COLUMNS, COLUMNS))
-        self._column = {MOVING: ONE, DRIFTING: DEPTH}[law]
-        self._norm = self.walked = 0.0
+        super().__init__(law)
+        self._column, self.walked = {MOVING: ONE, DRIFTING: DEPTH}[law], 0.0
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
         """Add a block and walk for its duration [s], K being about the scale [N/m]."""
@@ -130,20 +189,17 @@ class MovingWall:
         column = known[self._column]
         told = 1.0 + walk * float(column[self._column])
         self.gram = known - (walk / told) * np.outer(column, column)
-        self._norm = fade * self._norm - 0.5 * log(told)
-
-    def move(self, table: Array) -> None:
-        """Move the reference of all columns; see `shifted_table`."""
-        self.gram = table @ self.gram @ table.T
+        self.gained = fade * self.gained - 0.5 * log(told)
 
     @property
     def prior(self) -> float:
         """Log odds to be added to its evidence."""
-        return float(LOG_PRIOR[self.law]) + self._norm
+        return float(LOG_PRIOR[self.law]) + self.gained
 
     def restart(self, gram: Array, rest: float) -> None:
         """Let it begin now, from the wall at rest, whose law has some log odds."""
-        self.gram, self._norm, self.walked = gram.copy(), rest, 0.0
+        super().restart(gram, rest)
+        self.gained, self.walked = rest, 0.0
 
     def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
         """Let it begin now if it is less probable than that, by its log odds against rest."""

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .laws import (
-    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE, OF_RATE, ONE,
-    POWER, POWER_CURVE, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE, SIGN, SQUARE,
-    SQUARE_RATE, TIMES_RATE)
+    ACCELERATION, ACCELERATION_NOISE, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE,
+    OF_RATE, ONE, POWER, POWER_CURVE, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE,
+    SIGN, SQUARE, SQUARE_RATE, TIMES_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
@@ -38,7 +38,8 @@ class Smoothing:
     period_s: of the samples [s]
     of_s: period whose windows are used [s]: another one of the same samples; the same by default
     half, hop: samples on each side of the centre, and between the centres of windows
-    noise, rate_noise: variance of S0 and S1 of white noise of variance 1 [-], [1/s^2]
+    noise, rate_noise, bend_noise: variance of S0, S1 and S2 of white noise of variance 1 [-],
+    [1/s^2], [1/s^4]
     """
 
     def __init__(self, period_s: float, of_s: float = 0.0) -> None:
@@ -51,7 +52,7 @@ class Smoothing:
         self._kernels = np.stack([
             mean / mean.sum(), first / (first @ t), second / (0.5 * second @ (t * t))])
         self._variance_s2 = float(self._kernels[0] @ (t * t))  # of time within the kernel
-        self.noise, self.rate_noise = np.square(self._kernels[:2]).sum(1).tolist()
+        self.noise, self.rate_noise, self.bend_noise = np.square(self._kernels).sum(1).tolist()
         self._bands: dict[int, tuple[Array, Array, NDArray[np.bool_]]] = {}
 
     def length(self, windows: int) -> int:
@@ -81,7 +82,7 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (18, N): the columns of `laws`, a row for each window
+        Returns phi (19, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
@@ -110,9 +111,13 @@ class Smoothing:
         if any(column.any() for column in bent):
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean
-        rate_noise = noise[0] * self.rate_noise
+        rate_noise, bend_noise = noise[0] * self.rate_noise, noise[0] * self.bend_noise
         if not touching and np.isfinite(v).all():
-            phi[RATE], rate_noise = self._fused(phi[RATE], v @ mean, noise)
+            of_v = (v @ table).reshape(3, windows)
+            phi[RATE], rate_noise = _fused(
+                phi[RATE], rate_noise, of_v[0], noise[1] * self.noise)
+            phi[ACCELERATION], bend_noise = _fused(
+                phi[ACCELERATION], bend_noise, of_v[1], noise[1] * self.rate_noise)
         # E[sgn v] of a rate with noise that changes within the window; erf is like tanh.
         within = self._variance_s2 * np.square(phi[ACCELERATION])
         width = np.sqrt(0.5 * pi * (rate_noise + _SHARP * _SHARP + within))
@@ -124,17 +129,16 @@ class Smoothing:
             rate_noise *= float(both @ both) / self.rate_noise
             if middle * middle < _MOVES * rate_noise:
                 middle = rate_noise = 0.0
-            phi[ACCELERATION] = 0.0
+            phi[ACCELERATION] = bend_noise = 0.0
             phi[SIGN] = np.sign(middle) * phi[ONE]
             phi[OF_RATE] = middle * phi[TIMES_RATE]
-        phi[RATE_NOISE] = sqrt(rate_noise)
-        phi[[NOISE, RATE_NOISE], ::2] *= -1.0  # of either sign, so that no other column has them
+        phi[RATE_NOISE], phi[ACCELERATION_NOISE] = sqrt(rate_noise), sqrt(bend_noise)
+        phi[NOISE:, ::2] *= -1.0  # of either sign, so that no other column has them
         return phi
 
-    def _fused(
-        self, rate: Array, measured: Array, noise: tuple[float, float]
-    ) -> tuple[Array, float]:
-        """Weigh the rate of the positions and the measured one by the variance of each."""
-        own = noise[0] * self.rate_noise
-        other = max(float(np.mean(np.square(measured - rate))) - own, noise[1] * self.noise, 1e-20)
-        return (other * rate + own * measured) / (other + own), other * own / (other + own)
+
+def _fused(rate: Array, own: float, measured: Array, least: float) -> tuple[Array, float]:
+    """Weigh a rate of the positions and the measured one by the variance of each."""
+    usual = own * (1.0 + 4.0 / sqrt(len(rate)))  # two deviations of what overlapping windows show
+    other = max(float(np.mean(np.square(measured - rate))) - usual, least, 1e-20)
+    return (other * rate + own * measured) / (other + own), other * own / (other + own)

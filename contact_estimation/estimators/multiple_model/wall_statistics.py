@@ -14,9 +14,10 @@ from .constants import (
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, KELVIN_VOIGT, LOG_PRIOR, MOVING, RATE, shifted_table)
+    Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, RATE,
+    shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
-from .slow_states import MovingWall, OUTSIDE
+from .slow_states import DoubtedRows, MovingWall, OUTSIDE, OwnData
 
 _SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -43,7 +44,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (18, 18): Gram matrix of all data before it
+    before (19, 19): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -66,7 +67,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (18, 18): of the data since the change
+        since (19, 19): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -77,7 +78,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (18, 18) of what seemed another wall."""
+        """Note another step, after data (19, 19) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -97,8 +98,9 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (18, 18): sum of the Gram matrices of all blocks, the older, the less
-    walking, runs: the same of walls that move or drift, and since every time of a possible change
+    gram (19, 19): sum of the Gram matrices of all blocks, the older, the less
+    walking, doubting: the same of walls that move or drift, of laws that doubt some rows
+    runs: the same since every time of a possible change
     odds: log odds of each law
     surfaces: where the surface may be
     x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
@@ -110,6 +112,7 @@ class WallStatistics:
         self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
         self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
+        self.doubting = [DoubtedRows(law) for law in (FRICTION, MASS)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
                          Place(location, ANYWHERE_M, ELSEWHERE)]
@@ -132,12 +135,24 @@ class WallStatistics:
             surface, std, NEAR, unfelt, *told), Place(surface, ANYWHERE_M, ELSEWHERE)]
 
     @property
+    def own(self) -> list[OwnData]:
+        """Return the laws whose data are their own."""
+        return [*self.walking, *self.doubting]
+
+    @property
     def place_prior(self) -> Array:
         """Return the log prior of each surface."""
         return np.log([one.probability for one in self.surfaces])
 
-    def add(self, gram: Array, phi: Array, seconds: float) -> None:
-        """Add a block that lasts so long; the older, the less."""
+    def add(self, phi: Array, weights: Array, told: list[Array], seconds: float,
+            samples: float) -> None:
+        """
+        Add a block that lasts so long; the older, the less.
+
+        weights, told (N,): of its rows phi, and what the laws that doubt rows divide them by
+        samples: independent ones in a row
+        """
+        gram = (phi * weights) @ phi.T
         fade = exp(-seconds / FADE_S)
         self._note_depth(seconds, phi[DEPTH])
         self.gram *= fade
@@ -147,6 +162,8 @@ class WallStatistics:
         self.runs.add(gram, fade, seconds)
         for one in self.walking:
             one.add(gram, fade, seconds, self.scale)
+        for law, more in zip(self.doubting, told):
+            law.add(phi, weights, more, fade, samples)
         self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
 
     @property
@@ -175,7 +192,7 @@ class WallStatistics:
         delta = surface - self.x0
         table = shifted_table(delta)
         self.gram = table @ self.gram @ table.T
-        for one in self.walking:
+        for one in self.own:
             one.move(table)
         self.runs.move(table)
         if self.same is not None:
@@ -257,7 +274,7 @@ class WallStatistics:
     def _go_on(self, gram: Array, kept: Sequence[tuple[float, float, float]]) -> None:
         """Use other data, and a surface that is at one of some places or elsewhere."""
         self.gram = gram
-        for one in self.walking:
+        for one in self.own:
             one.restart(gram, float(self.odds[:MOVING].max()))
         centre, std, _ = kept[0]
         self.surfaces = [*(Place(at, error, STILL_THERE * p) for at, error, p in kept
@@ -298,5 +315,5 @@ class WallStatistics:
          _) = before
         self.same = None
         self.runs.clear()
-        for one in self.walking:
+        for one in self.own:
             one.restart(self.gram, float(self.odds[:MOVING].max()))
