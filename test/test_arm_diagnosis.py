@@ -15,8 +15,7 @@ from contact_estimation.diagnosis.arm.arm_recording import (
 from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
-from contact_estimation.diagnosis.arm.corrected_robot import (
-    corrected_urdf, mjcf_snippet, possible_inertial)
+from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZEROS
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
@@ -302,19 +301,6 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
         left_out.append([np.mean((y - X @ theta) ** 2) for X, y in errors] if len(out) else [])
     assert found.theta[model[3]] == pytest.approx(theta[size + 3] * gram.scales[model[3]])
     assert found.left_out == pytest.approx(np.array(left_out[:-1]), rel=1e-6)
-
-
-def test_a_body_is_made_possible_where_it_is_not() -> None:
-    wrong = np.array(BODY) - [0.0, 0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0]
-    for sign in (1.0, -1.0):  # a body too many, and one that lacks
-        found = sign * possible_inertial(sign * wrong, np.diag(np.full(10, 1e-4)))
-        mass, c = found[0], found[1:4] / found[0]
-        xx, xy, yy, xz, yz, zz = found[4:]
-        about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        moments = np.linalg.eigvalsh(about_origin - mass * (c @ c * np.eye(3) - np.outer(c, c)))
-        assert mass == pytest.approx(1.0, abs=0.05)
-        assert moments.min() > 0.0 and moments[2] <= moments[0] + moments[1] + 1e-12
-    assert possible_inertial(np.array(BODY), np.eye(10)) == pytest.approx(BODY)
 
 
 def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> None:

@@ -6,44 +6,12 @@
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from .arm_recording import Array
+from .bodies import is_body
 from .result import ArmDiagnosis
 from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
 from ...kinematics.robot_model import pinocchio
-
-_LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
-_GYRATION_M = 0.05  # with which the search for a body begins
-
-
-def is_body(theta: Array) -> bool:
-    """Return whether a body can have ten parameters: its pseudo-inertia is positive definite."""
-    pseudo = pinocchio().PseudoInertia.FromDynamicParameters(theta).toMatrix()
-    return bool(np.linalg.eigvalsh(pseudo).min() > _LEAST)
-
-
-def possible_inertial(theta: Array, covariance: Array) -> Array:
-    """
-    Return the likeliest parameters (10,) that a body, or a negative one for a lack, can have.
-
-    theta (10,) and covariance (10, 10) are those of the fit. Log-Cholesky parameters: C. Rucker
-    and P. M. Wensing, IEEE RA-L 7(2), 2022.
-    """
-    sign = 1.0 if theta[0] >= 0.0 else -1.0
-    if is_body(sign * theta):
-        return theta
-    log_cholesky = pinocchio().LogCholeskyParameters
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance))))
-
-    def body(x: Array) -> Array:
-        return np.asarray(sign * log_cholesky(x).toDynamicParameters())
-
-    start = np.zeros(10)
-    start[:4] = 0.5 * np.log(max(abs(theta[0]), 1e-3)), *3 * [np.log(_GYRATION_M)]
-    found = least_squares(lambda x: whiten @ (body(x) - theta), start, method='trf', max_nfev=200)
-    return body(found.x)
-
 
 _WRITTEN = ('coulomb_friction', 'viscous_friction', 'payload', 'link_inertia')
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from .arm_recording import Array
+from .bodies import possible_inertial
 from .channels import Term
-from .corrected_robot import possible_inertial
 from .gram import GAIN_STD
 from .result import ArmEffect
 from .space import ArmModels, label

@@ -19,8 +19,10 @@ from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 import numpy as np
 
 from .arm_recording import Array
+from .bodies import cost_of_body
 from .channels import Channels, Term
 from ..fit.constants import ARM
+from ...kinematics.arm_dynamics import PER_LINK
 from ...physics.carried_load import typical_inertial
 from ...physics.joint_effects import JOINT_EFFECTS
 
@@ -54,7 +56,9 @@ class Fitted(NamedTuple):
     left_out: Array
     fitted: Array
     known: float  # well-determined coefficients among those of laws of several joints
-    surprise: float  # half the squared coefficients of the calibration, in those expected [nat]
+    # half the squared coefficients of the calibration, in those expected, and what the data lose
+    # if loads leave bodies [nat]
+    surprise: float
 
 
 class Gram:
@@ -85,6 +89,8 @@ class Gram:
         self.shared = {term for term in channels.terms
                        if JOINT_EFFECTS[term.effect].place != 'joint'
                        or len(channels.pieces[0].columns[term]) > 1}
+        self.links = {term: channels.arm.neutral.reshape(-1, PER_LINK)[term.place]
+                      for term in self.shared if JOINT_EFFECTS[term.effect].family == 'load'}
         self._build()
         self.weights = self.weights_for(self.s / self.kept)
         self._known: dict[object, tuple[Array, ...]] = {}
@@ -247,7 +253,10 @@ class Gram:
             left_out[:, k], fitted[:, k] = self.errors(k, index, T)
             theta.update({term: inner[k][-1, 1:][at] for term, at in self.places(mine)})
         theta.update({term: both[-1, at] for term, at in self.places(shared)})
-        known = float(np.sum(1.0 - np.diag(np.linalg.inv(A))[self.width(CALIBRATION):]))
+        spread: Array = np.asarray(np.linalg.inv(A), float)
+        known = float(np.sum(1.0 - np.diag(spread)[self.width(CALIBRATION):]))
+        lost = sum(cost_of_body(both[-1, at], spread[at, at], self.scales[term], self.links[term])
+                   for term, at in self.places(shared) if term in self.links)
         calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
         gains = np.array([one[-1][0] for one in inner])
         zeros = {term: self.zeros[term] * calibration[moved:][at]
@@ -257,7 +266,7 @@ class Gram:
         return Fitted(
             {term: self.scales[term] * one for term, one in theta.items()},
             self.directions @ calibration[:moved], zeros, left_out, fitted, known,
-            0.5 * float(calibration @ calibration + gains @ gains))
+            0.5 * float(calibration @ calibration + gains @ gains) + lost)
 
     def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
         """Return the covariance of the coefficients of each law of a model."""

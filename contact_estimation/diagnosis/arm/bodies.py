@@ -1,0 +1,84 @@
+# Copyright 2026 contact_estimation authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""
+What bodies can be: mass, moments and inertia of a density that is nowhere negative.
+
+P. M. Wensing, S. Kim and J.-J. E. Slotine, Linear matrix inequalities for physically consistent
+inertial parameter identification, IEEE RA-L 3(1), 2018: the pseudo-inertia is positive definite.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from .arm_recording import Array
+from ...kinematics.arm_dynamics import PER_LINK
+from ...kinematics.robot_model import pinocchio
+
+_LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
+_GYRATION_M = 0.05  # with which the search for a body begins
+_WIDER = 1e-2  # precision of a prior that tells little, in that of the prior of a load
+_PLANES = 12  # of the cone of bodies, onto which a load is projected
+
+
+@lru_cache(maxsize=None)
+def _each() -> Array:
+    """Return the pseudo-inertia per unit of each parameter, (10, 4, 4)."""
+    of = pinocchio().PseudoInertia.FromDynamicParameters
+    return np.array([of(one).toMatrix() for one in np.eye(PER_LINK)])
+
+
+def _pseudo(theta: Array) -> Array:
+    return np.asarray(np.tensordot(theta, _each(), 1))
+
+
+def is_body(theta: Array) -> bool:
+    """Return whether a body can have ten parameters: its pseudo-inertia is positive definite."""
+    return bool(np.linalg.eigvalsh(_pseudo(theta)).min() > _LEAST)
+
+
+def cost_of_body(x: Array, spread: Array, sizes: Array, link: Array) -> float:
+    """
+    Return what data lose if a load leaves a body of a link [nat].
+
+    x (10,), spread (10, 10): load in `sizes` (10,), which are its prior, and covariance of the
+    fit. Data alone count: what they do not tell costs nothing. link (10,): of the description.
+    """
+    if is_body(link + sizes * x):
+        return 0.0
+    values, vectors = np.linalg.eigh(_pseudo(link))
+    whole = (vectors * np.maximum(values, 0.0)) @ vectors.T  # some descriptions have no body
+    each, both = sizes[:, None, None] * _each(), np.linalg.inv(spread)
+    S = np.linalg.inv(both - (1.0 - _WIDER) * np.eye(PER_LINK))
+    start = y = S @ both @ x
+    for _ in range(_PLANES):
+        values, vectors = np.linalg.eigh(whole + np.tensordot(y, each, 1))
+        if values[0] >= 0.0:
+            break
+        normal = vectors[:, 0] @ each @ vectors[:, 0]
+        y = y - S @ normal * (values[0] / (normal @ S @ normal))
+    return float(0.5 * (y - start) @ np.linalg.solve(S, y - start))
+
+
+def possible_inertial(theta: Array, covariance: Array) -> Array:
+    """
+    Return the likeliest parameters (10,) that a body, or a negative one for a lack, can have.
+
+    theta (10,) and covariance (10, 10) are those of the fit. Log-Cholesky parameters: C. Rucker
+    and P. M. Wensing, IEEE RA-L 7(2), 2022.
+    """
+    sign = 1.0 if theta[0] >= 0.0 else -1.0
+    if is_body(sign * theta):
+        return theta
+    log_cholesky = pinocchio().LogCholeskyParameters
+    whiten = np.linalg.inv(np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance))))
+
+    def body(x: Array) -> Array:
+        return np.asarray(sign * log_cholesky(x).toDynamicParameters())
+
+    start = np.zeros(10)
+    start[:4] = 0.5 * np.log(max(abs(theta[0]), 1e-3)), *3 * [np.log(_GYRATION_M)]
+    found = least_squares(lambda x: whiten @ (body(x) - theta), start, method='trf', max_nfev=200)
+    return body(found.x)
