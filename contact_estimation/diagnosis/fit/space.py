@@ -126,7 +126,6 @@ _TRIED, _FOLLOWED, _SCORED = 12, 8, 6
 _OF_FAMILY = 2  # of them; `siblings` has the others
 _STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
 _BEGUN, _BRIEF, _LONGER, _TO_THE_END = 2, 4, 8, 25  # steps of fits
-_OUT_OF_REACH = 2.0  # times the cost: 10 nats, of the freedom of discrepancies on five parts
 
 
 class ContactModels:
@@ -245,7 +244,6 @@ class ContactModels:
         """Put other laws in the place of each: of its family, and of the likeliest other one."""
         model, found = one.found.found.model, list[Scored | None]()
         recordings = self.weighed(model)
-        here = fit_at(recordings, model).cost
         for name in _laws(model):
             rest = model.without(name)
             taken = one.named - {EFFECTS[name].family}
@@ -255,10 +253,10 @@ class ContactModels:
             families = dict.fromkeys([EFFECTS[other].family for other in (name, *steps)])
             alike = list(families)[:2]  # the likeliest beside its own
             present = fit_at(recordings, rest).cost
-            tried = [self._tried(recordings, present, near) for other, near in steps.items()
-                     if other != name and EFFECTS[other].family in alike]
-            found += [self._finished(each.model, _TO_THE_END) for each in tried
-                      if each.cost < _OUT_OF_REACH * here]
+            found += [
+                self._finished(self._tried(recordings, present, near).model, _TO_THE_END)
+                for other, near in steps.items()
+                if other != name and EFFECTS[other].family in alike]
         return [each for each in found if each is not None]
 
     def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
