@@ -18,7 +18,8 @@ from .fit.left_out import predict
 from .fit.names import name, Named, parts, without_least
 from .fit.space import untried
 from .held_out import (
-    by_part, errors_of, improvement_interval, measure_part, Part, spared_of, weigh_by_held_out)
+    by_part, errors_of, improvement_interval, measure_part, Part, spared_of, weigh_by_held_out,
+    with_holdouts)
 from .location import locate, Location
 from .next_experiment import advice, nearly, perhaps
 from .observe.model import Model
@@ -40,6 +41,7 @@ MODELS = ('nominal', 'recalibrated', 'corrected')
 def conclude(seen: Seen, seed: int, progress: Progress) -> Diagnosis:
     """Name what is missing, and test the models on held-out data."""
     progress('names')
+    seen = with_holdouts(seen)
     named = name(seen.compared, seed, seen.without)
     tested = _tested(seen, named.model, progress)
     if named.names and not _holds(seen, named, tested):
@@ -74,7 +76,7 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
     progress('held-out parts')
     runs, parts = [_free_runs(one, models) for one in recordings], list[Part]()
     known = {id(one.observed): each for one, each in zip(recordings, runs)}
-    for spared in spared_of(seen.view.given, recordings, base.model):
+    for spared in spared_of(seen.holdouts, recordings, base.model):
         o = spared.recording.observed
         positions = known[id(o)] if id(o) in known else _free_runs(spared.recording, models)
         parts.append(measure_part(spared, models, positions))
@@ -119,17 +121,15 @@ def _holds(seen: Seen, named: Named, tested: _Tested) -> bool:
 def _share_of_held_out(seen: Seen, model: Scored, channel: int | None) -> float | None:
     """Return the share of the held-out misfit that a model explains; None if little is shown."""
     evidence, left_out = seen.compared.evidence, len(seen.models.parts)
-    spared = () if seen.spared else spared_of(seen.view.given, seen.recordings, seen.base.model)
+    spared = () if seen.spared else spared_of(seen.holdouts, seen.recordings, seen.base.model)
     both = [predict(one, spared) for one in (evidence.base, model)]
     before, after = (misfits(evidence, one, channel) for one in both)
-    counts = both[0].counts * evidence.as_force
-    of_instrument = counts * evidence.instrument
-    if channel is not None:
-        counts, of_instrument = counts[:, [channel]], of_instrument[:, [channel]]
-    usual = float(of_instrument[left_out:].sum())
-    as_fitted = float(before[:left_out].sum() / counts[:left_out].sum())
+    columns = slice(None) if channel is None else slice(channel, channel + 1)
+    noise = (both[0].counts * evidence.as_force)[:, columns]
+    usual = float((noise * evidence.instrument[columns])[left_out:].sum())
+    as_fitted = float(before[:left_out].sum() / noise[:left_out].sum())
     shown = float(before[left_out:].sum())
-    if shown <= max(_SHOWS**2 * as_fitted * float(counts[left_out:].sum()), usual):
+    if shown <= max(_SHOWS**2 * as_fitted * float(noise[left_out:].sum()), usual):
         return None
     return 1.0 - (float(after[left_out:].sum()) - usual) / (shown - usual)
 

@@ -15,7 +15,7 @@ from .observe.model import Model
 from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.residuals import force_residual
 from .result import Errors, HeldOutErrors
-from .views import Given, Seen
+from .views import Seen
 from ..physics.numeric import Array
 
 _BLOCK_S = 0.25
@@ -33,7 +33,14 @@ class Part(NamedTuple):
     motion_samples: Array  # (blocks,) samples in them
 
 
-def spared_of(given: Given, recordings: Recordings, model: Model) -> list[Spared]:
+def with_holdouts(seen: Seen) -> Seen:
+    """Prepare the recordings that are held out whole, once for all models."""
+    given = seen.view.given
+    return seen._replace(holdouts=[
+        prepare(one, given.nominal, hold=False) for one in given.held_out])
+
+
+def spared_of(holdouts: Recordings, recordings: Recordings, model: Model) -> list[Spared]:
     """List what is held out, of fitted recordings or as recordings."""
     found = list[Spared]()
     for one in recordings:
@@ -41,13 +48,12 @@ def spared_of(given: Given, recordings: Recordings, model: Model) -> list[Spared
             prefix = f'{one.name}, ' if len(recordings) > 1 else ''
             found.append(Spared(prefix + one.held_out.name, one.whole(model),
                                 one.held_out.samples))
-    prepared = [prepare(one, given.nominal, hold=False) for one in given.held_out]
-    return found + [Spared(one.name, one, np.ones(len(one.observed.t), bool)) for one in prepared]
+    return found + [Spared(one.name, one, np.ones(len(one.observed.t), bool)) for one in holdouts]
 
 
 def weigh_by_held_out(seen: Seen) -> Seen:
     """Compare the models by how well they predict what is held out, too."""
-    spared = spared_of(seen.view.given, seen.recordings, seen.base.model)
+    spared = spared_of(seen.holdouts, seen.recordings, seen.base.model)
     evidence, known = seen.compared.evidence, seen.compared.models
     models = [predict(one, spared) for one in known]
     evidence = replace(evidence, base=models[known.index(evidence.base)]).informed_by(models)

@@ -144,6 +144,7 @@ class Seen(NamedTuple):
     base: Fit  # the recalibrated model
     models: ContactModels  # the models
     compared: Compared  # what was found
+    holdouts: Recordings = ()  # recordings that are held out whole
     spared: Sequence[Spared] = ()  # held-out data by which models are compared, too
 
     @property
