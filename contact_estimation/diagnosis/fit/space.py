@@ -101,6 +101,7 @@ class _Recorded:
         self.force = float(np.max(np.abs(recording.observed.force)))
         surface = model.nominal.environment.location
         self.depth = float(np.max(np.abs(recording.observed.x - surface)))
+        self.stroke = float(np.ptp(recording.observed.x))
         self.stiffness = model.stiffness
         self.duration = float(recording.observed.t[-1])
         self.sample_period = recording.observed.h
