@@ -62,10 +62,10 @@ class Scales(NamedTuple):
     sample_period: float = 0.0  # shortest time between samples [s]; 0 where unknown
     # the two tones that together explain most of that residual; empty where unknown
     beat: tuple[Tone, ...] = ()
+    driven: bool = False  # whether a measured force moves the wall, without a robot
     # frequency [1/m] and complex amplitude [N] of the largest peaks in the spectrum of the contact
     # residual over d
     waves: tuple[Tone, ...] = ()
-    driven: bool = False  # whether a measured force moves the wall, without a robot
 
     @property
     def pace(self) -> float:

@@ -79,7 +79,7 @@ def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:
     return _peaks(frequencies, amplitudes), _beat(o.t[::stride][use], r[use], strong)
 
 
-def _peaks(frequencies: Array, amplitudes: Array) -> Tones:
+def _peaks(frequencies: Any, amplitudes: Any) -> Tones:
     """Find the largest peaks of a spectrum whose frequencies are `_FINER` than resolved."""
     found = list[Tone]()
     for k in np.argsort(-np.abs(amplitudes)).tolist():
