@@ -272,7 +272,7 @@ def test_attached_wall_of_other_values_is_recalibrated() -> None:
 
 
 def test_cogging_is_found_beneath_friction() -> None:
-    wall = {'environment__unilateral': False}
+    wall: dict[str, Any] = {'environment__unilateral': False}
     both = {**physics('coulomb_friction', 8.0), **physics('cogging', 3.0, 0.002, 0.7)}
     found = diagnosed(recorded(**wall, **both), nominal(**wall))
     assert sorted(named(found)) == ['cogging', 'coulomb_friction']

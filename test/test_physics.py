@@ -178,6 +178,7 @@ class Recorded:
 
     force: float = 100.0
     depth: float = 0.03
+    stroke: float = 0.03
     stiffness: float = 1e4
     duration: float = 1.0
     sample_period: float = 0.002
