@@ -226,11 +226,12 @@ class Screening:
         return {name: best[name] for name in order}
 
     def composed(self) -> list[Model]:
-        """Return the nominal model with two laws that act on each other, each at its best."""
+        """Return the nominal model with two laws that act on each other, the best pairs first."""
         each = compose(self.base.model, self.names, self.scales, lambda model: self._straight(
             model, model.coordinates))
-        return [ranked_by(starts, lambda one: self._cost(one.residuals))[0].model
-                for starts in each]
+        cost = lambda one: self._cost(one.residuals)  # noqa: E731
+        best = [ranked_by(starts, cost)[0] for starts in each]
+        return [one.model for one in ranked_by(best, cost)]
 
     def _step(
         self, present: Model, start: _Start, here: Array, columns: Array, basis: Array
