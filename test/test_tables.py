@@ -121,6 +121,7 @@ def test_decimal_comma_may_come_late(tmp_path: Path) -> None:
 @pytest.mark.parametrize('names, units', [
     ('Ch 1 Displacement \tCh 1 Force \tCh 2 Torque \tRunning Time ', 'mm\tkN\tkN·mm\tsec'),
     ('Crosshead\tLoad\t_Cycle\tTime', 'mm\tkN\t_Cycle\tsec'),
+    ('Disp \tLoad \t \tElapsed Time ', 'mm    \tkN\t-5.86\tSec  '),  # a value beside them
 ])
 def test_units_of_testing_machines_count(tmp_path: Path, names: str, units: str) -> None:
     (tmp_path / 'a.txt').write_text(

@@ -159,7 +159,7 @@ def _without_end(row: list[str]) -> list[str]:
 
 def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
     """Return whether a row holds the units of names."""
-    cells = [(name, cell) for name, cell in zip(names, row) if cell]
+    cells = [(name, cell) for name, cell in zip(names, row) if cell and _number(cell, '.') is None]
     in_brackets = sum(cell.startswith(('[', '(')) for _, cell in cells)
     return 2 * in_brackets > len(cells) or all(
         name and (cell == name or _UNIT.fullmatch(cell)) for name, cell in cells)
