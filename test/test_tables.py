@@ -238,7 +238,7 @@ def test_parquet_without_rows_is_named_and_texts_are_not_expanded(tmp_path: Path
     from pyarrow import parquet
 
     columns = {'t': [0.0, 0.1], 'pose': [{'z': 1.0}, {'z': 2.0}], 'note': ['x', 'y'],
-               'skin': [[1.0], [2.0, 3.0]], 'Fz': np.float16([1.0, 2.0])}
+               'skin': [[1.0], [2.0, 3.0]], 'Fz': np.array([1.0, 2.0], 'f2')}
     parquet.write_table(pyarrow.table(columns), tmp_path / 'a.parquet')
     parquet.write_table(pyarrow.table({'t': pyarrow.array([], 'f8')}), tmp_path / 'b.parquet')
     with pytest.raises(ce.ContactEstimationError, match='must have rows of numbers, got none'):
