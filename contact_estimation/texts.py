@@ -19,6 +19,8 @@ _FOREIGN = {
     b'\x1f\x8b': 'it is compressed (gzip); decompress it first',
     b'BZh': 'it is compressed (bzip2); decompress it first',
     b'\xfd7zXZ': 'it is compressed (xz); decompress it first',
+    b'\x89HDF': 'it is HDF5; save its columns as CSV, or in MATLAB with -v7',
+    b'\x93NUMPY': 'it is an array of NumPy; save it by numpy.savetxt, or use write_recording',
 }
 """What begins a file that no reader takes, and what to do about it; rosbag2 writes zstd."""
 MOST_BYTES = 1 << 20

@@ -126,6 +126,8 @@ def test_axes_of_the_wrench_are_recognised_and_named(
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['mass_kg']['value'] == pytest.approx(MASS, abs=0.02)
     assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.002)
+    assert calibrate(tmp_path, '/**: {ros__parameters: {force_sensor: {axes: base}}}') == 1
+    assert 'axes: base needs kinematics.base' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('recorded, given', [

@@ -264,6 +264,17 @@ def stroke(speed: float, back: bool = False, wait: float = 0.0) -> Signals:
     return Signals(t, force, t, x, np.empty(0), np.empty((4, 0)))
 
 
+@pytest.mark.parametrize('breaks, failing', [(False, []), (True, ['position_sign'])])
+def test_metal_may_yield_but_what_breaks_must_be_cut(breaks: bool, failing: list[str]) -> None:
+    s = stroke(1e-4, back=not breaks)
+    deepest = np.maximum.accumulate(s.position)
+    elastic = s.position - np.maximum(deepest - (1e-3 if breaks else 1e-4), 0.0)
+    force = -4e5 * np.maximum(elastic, 0.0) * ~(breaks & (deepest > 0.003))
+    found = failed(s._replace(force=force), nominal(environment__stiffness=1e5))
+    assert [one.name for one in found if one.fatal] == failing
+    assert all('where the specimen breaks' in one.text for one in found if one.fatal)
+
+
 SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,
                    environment__unilateral=False)
 

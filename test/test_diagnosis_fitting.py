@@ -4,7 +4,8 @@
 """Fits, parts that are held out, and repetition."""
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any, cast, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.diagnose import diagnose
@@ -93,6 +94,15 @@ def test_left_out_error_is_that_of_a_full_refit(name: str) -> None:
         expected = [[np.mean(linear[here == k]) for k in (0, 1)], outliers]
         np.testing.assert_allclose(told.left_out[:, k], expected, rtol=0.1)
     assert told.left_out.sum() > told.fitted.sum()
+
+
+def test_coordinates_that_do_the_same_leave_the_others_their_step() -> None:
+    model = SimpleNamespace(coordinates=np.zeros(3), steps=np.ones(3),
+                            ranges=(np.full(3, -np.inf), np.full(3, np.inf)))
+    told = Linearised([], cast(Any, SimpleNamespace(model=model)), [])
+    columns = np.array([[1e3, 0.0, 0.0], [0.0, 2e11, 2e11]]).T  # rounding hides the prior
+    change = told._step(columns @ columns.T, columns @ [1e3, 2e11])
+    assert change == pytest.approx([-1.0, -0.5, -0.5], rel=1e-6)
 
 
 def test_a_law_is_predicted_and_has_the_same_value_on_every_part() -> None:

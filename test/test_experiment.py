@@ -186,3 +186,10 @@ def test_a_friction_that_yields_within_micrometres_is_simulated_in_short_steps()
         'bouc_wen_hysteresis', (4e5, 800.0, 4e4))
     proposal = choose(replace(d, corrected=yielding))
     assert proposal is not None and 'nan' not in proposal.text
+
+
+def test_without_a_robot_x_d_is_the_motion_itself() -> None:
+    d = open_question()
+    bench = [replace(one, observed=replace(one.observed, reference=None)) for one in d.recordings]
+    assert reach_of(d).gain > 1.5
+    assert reach_of(replace(d, recordings=bench)).gain == 1.0

@@ -240,6 +240,21 @@ def test_an_interrupted_run_resumes_to_the_same_table(
     assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
 
 
+@pytest.mark.parametrize('change', [
+    lambda text: text[:40], lambda text: '', lambda text: '[1, 2]', lambda text: '{"a": 1}',
+    lambda text: text.replace('48', '49'), lambda text: text.replace('null', '[]')])
+def test_a_damaged_result_is_named_and_made_again(
+    change: Callable[[str], str], recordings: Path, tmp_path: Path, quickly: None
+) -> None:
+    before = run(recordings, tmp_path, InThisProcess())
+    file = max((tmp_path / 'finished').iterdir(), key=lambda file: file.stat().st_size)
+    file.write_text(change(file.read_text()))
+    workers = InThisProcess()
+    after = run(recordings, tmp_path, workers)
+    assert (after.entries, workers.done) == (before.entries, [file.stem])
+    assert (before.damaged, after.damaged) == ([], [file.name])
+
+
 def test_table_has_explicit_types_and_units() -> None:
     parquet = pytest.importorskip('pyarrow.parquet')
     pyarrow = pytest.importorskip('pyarrow')

@@ -128,6 +128,17 @@ def test_replay_gives_what_the_node_gives(
     assert json.loads(summary.read_text())['stiffness'] == results[-1].estimate.stiffness
 
 
+def test_a_description_that_is_off_is_to_be_identified(
+    recorded: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'off.urdf').write_text(described(1.1, 1.02))
+    text = recorded.with_name('arm.yaml').read_text().replace(
+        str(recorded.with_name('arm.urdf')), str(tmp_path / 'off.urdf'))
+    (tmp_path / 'off.yaml').write_text(text)
+    said = Command('replay', replay, capfd)(recorded, '--params', tmp_path / 'off.yaml')
+    assert 'diagnose --nominal-robot' in said.err and 'calibrate_tool' not in said.err
+
+
 def test_joint_efforts_survive_a_table(
     recorded: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -12,7 +12,7 @@ from contact_estimation.pipeline.session import ContactSession
 from effort_worlds import described, messages, parameters
 import pytest
 from ros_listener import DEEP_QOS, Listener
-from ros_messages import JointState, Vector3Stamped
+from ros_messages import DiagnosticArray, JointState, Vector3Stamped
 from ros_peer import WINDOW
 from ros_processes import node_process
 
@@ -45,5 +45,9 @@ def test_node_estimates_from_joint_states_alone(tmp_path: Path) -> None:
             heard = peer.heard['stiffness'][last.sample.stamp_ns]
             assert heard.vector.x == last.estimate.stiffness
             assert heard.header.frame_id == 'link_6'
+            peer.listen('diagnostics', DiagnosticArray, '/diagnostics')
+            peer.spin_until(lambda: any(
+                one.message.startswith('no efforts of joints for')
+                for told in peer.heard['diagnostics'].values() for one in told.status), 'silence')
         finally:
             peer.close()

@@ -68,13 +68,18 @@ def run(options: Any) -> int:
     except UnknownNameError as error:
         raise UnknownNameError(f'{error}{hint_of_driver(frame)}') from error
     sign = _force_sign(given)
-    base = str(given.get('kinematics.base') or model.base)
+    axes, base = (str(given.get(name) or default) for name, default in (
+        ('force_sensor.axes', AXES[0]), ('kinematics.base', model.base)))
+    if axes == 'base' and not given.get('kinematics.base'):
+        raise ParameterRangeError(
+            'force_sensor.axes: base needs kinematics.base in --params: the link in whose axes the '
+            f'driver expresses the wrench, such as {base} if that is the base of the robot')
 
     def calibrated(axes: str) -> ToolCalibration:
         return calibrate_tool(read_blocks(
             reader, source, model, sign, _mount(given), base if axes == 'base' else ''), sign)
 
-    found = _in_right_axes(calibrated, str(given.get('force_sensor.axes', AXES[0])))
+    found = _in_right_axes(calibrated, axes)
     write_results(options, {'output': lambda: _parameter_file(found, frame),
                             'json': lambda: as_json(_as_json(found))})
     _print(found, frame, options.output)

@@ -115,6 +115,8 @@ def _print(fleet: Fleet, folder: Path) -> None:
     print(f'{len(fleet.entries)} recordings in {groups} '
           f'{"group" if groups == 1 else "groups"}, {fleet.done} finished before, '
           f'{len(fleet.failed)} with an error')
+    if fleet.damaged:
+        print(f'damaged results made again: {len(fleet.damaged)}, such as {fleet.damaged[0]}')
     if fleet.identical:
         print(f'{fleet.identical} recordings are identical to others' if fleet.identical > 1
               else '1 recording is identical to another')

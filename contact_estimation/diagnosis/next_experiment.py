@@ -75,7 +75,8 @@ def reach_of(diagnosis: Diagnosis) -> Reach:
         speeds.append(float(np.max(np.abs(o.v))))
         touching += [abs(float(o.v[first])) for first, _ in episodes(model, o)]
     lowest = min(float(np.min(recording.observed.x)) for recording in diagnosis.recordings)
-    gain = 1.0 + model.stiffness / max(model.nominal.robot.stiffness, 1e-9)
+    robot = any(recording.observed.reference is not None for recording in diagnosis.recordings)
+    gain = 1.0 + robot * model.stiffness / max(model.nominal.robot.stiffness, 1e-9)
     # Half of a touch-down speed of 0 would take infinitely long.
     typical = max(float(np.median(touching or speeds)), _LEAST_PACE * max(speeds))
     return Reach(x_e, x_e - lowest, max(depths), gain, max(speeds), typical)

@@ -66,14 +66,15 @@ class Settings:
     @property
     def model_sha256(self) -> str:
         """Hash of the nominal model's parameters; its comments do not count."""
-        return _hash_of(dict(self.model))
+        return hash_of(dict(self.model))
 
     def key(self, task: str, *recordings: str) -> str:
         """Return what identifies a result."""
-        return _hash_of([task, recordings, asdict(self)])
+        return hash_of([task, recordings, asdict(self)])
 
 
-def _hash_of(data: Any) -> str:
+def hash_of(data: Any) -> str:
+    """Return the hash of plain data."""
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
@@ -83,7 +84,7 @@ def recording_sha256(path: str) -> str:
         return file_sha256(Path(path))
     os.listdir(path)  # rglob passes over a folder that cannot be read
     files = sorted(file for file in Path(path).rglob('*') if file.is_file())
-    return _hash_of([(file.relative_to(path).as_posix(), file_sha256(file)) for file in files])
+    return hash_of([(file.relative_to(path).as_posix(), file_sha256(file)) for file in files])
 
 
 _LEAST_CONTACT_S = 0.2  # as in the diagnosis
@@ -160,9 +161,7 @@ def replay_episodes(
 
 
 Outcome = dict[str, Any]
-"""Plain data with `OUTCOME_NAMES`; of recordings together, with `POOLED_NAMES`."""
-OUTCOME_NAMES = {'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s', 'report', 'error'}
-POOLED_NAMES = {'version', 'report', 'error'}
+"""Plain data, as of `nothing`; of recordings together, version, report and error."""
 
 
 def nothing(settings: Settings, error: str) -> Outcome:

@@ -13,8 +13,7 @@ import numpy as np
 from .discovery import FoundRecording
 from .findings import by_group, Change, changes
 from .one_recording import (
-    nothing, Outcome, OUTCOME_NAMES, POOLED_NAMES, process, process_pooled, recording_sha256,
-    Result, Settings)
+    hash_of, nothing, Outcome, process, process_pooled, recording_sha256, Result, Settings)
 from .table import distinct, Entry, in_time
 from ..scheduling import Answer, Call, Workers
 from ..texts import json_content, printable, write_whole
@@ -27,17 +26,22 @@ class Finished:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self.damaged: list[str] = []  # names of files that are not as they were written
         for name in (_RESULTS, _PAGES):
             (folder / name).mkdir(parents=True, exist_ok=True)
 
     def get(self, key: str, with_page: bool) -> Outcome | None:
         """Return a finished result."""
         try:
-            outcome: Outcome = json_content(self._file(key).read_text(encoding='utf-8'))
-        except (FileNotFoundError, ValueError):
+            kept = json_content(self._file(key).read_text(encoding='utf-8'))
+            outcome: Outcome = kept['outcome']
+            if hash_of(outcome) != kept['sha256']:
+                raise ValueError(key)
+        except FileNotFoundError:
             return None
-        if not isinstance(outcome, dict) or set(outcome) not in (POOLED_NAMES, OUTCOME_NAMES):
-            return None  # damaged, or of another version
+        except (KeyError, TypeError, ValueError):
+            self.damaged.append(self._file(key).name)
+            return None
         lacks_page = with_page and outcome['report'] is not None and not self.page(key)
         return None if lacks_page else outcome
 
@@ -45,7 +49,8 @@ class Finished:
         """Write a result atomically."""
         if result.page:
             write_whole(self._folder / _PAGES / _page_name(key), result.page.encode('utf-8'))
-        text = json.dumps(result.outcome, allow_nan=False)
+        kept = {'sha256': hash_of(result.outcome), 'outcome': result.outcome}
+        text = json.dumps(kept, allow_nan=False)
         write_whole(self._file(key), text.encode('utf-8'))
 
     def page(self, key: str) -> str:
@@ -123,6 +128,7 @@ class Fleet:
     done: int
     redone: int
     settings: Settings  # of all of them
+    damaged: Sequence[str] = ()  # files of results that were made again
 
     @property
     def failed(self) -> list[Entry]:
@@ -158,7 +164,8 @@ def run_fleet(
                           with_pages, progress))
     ordered = [entry for members in by_group(entries).values() for entry in members]
     done = sum(key in there for key in keys.values())  # copies have one key
-    return Fleet(ordered, pooled, found_changes, done, len(keys) - done, settings)
+    return Fleet(ordered, pooled, found_changes, done, len(keys) - done, settings,
+                 finished.damaged)
 
 
 def _hashes(

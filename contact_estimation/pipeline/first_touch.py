@@ -62,7 +62,7 @@ class FirstTouch:
             return None
         self._rise.append(point)
         self._rise_s += dt
-        if self._rise_s < _LONGEST_S and (
+        if len(self._rise) < 2 or self._rise_s < _LONGEST_S and (
                 len(self._rise) < _LEAST or pressing - level <= _CLEAR * noise):
             return None
         return self._judge(level, noise)

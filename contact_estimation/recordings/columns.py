@@ -116,7 +116,7 @@ def signals_of_columns(
     """
     general = _general(units)
     sources = columns_of_signals(columns, chosen, units, where)
-    there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
+    there = f'{where} has the columns: {columns}'
     axis = next((axis for axis in 'yz' if f'joint.{axis}' in sources), 'x')
     needed = {'t': 't', 'wrench.force.': f'wrench.force.{axis}', 'joint.': 'joint.x'}
     for need, key in needed.items():
@@ -162,7 +162,7 @@ def columns_of_signals(
 ) -> dict[str, str]:
     """Choose the column of each signal; none is found by name whose unit measures another."""
     general = _general(units)
-    there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
+    there = f'{where} has the columns: {columns}'
     chosen = {key: _full_name(column, columns) for key, column in chosen.items()}
     for key, column in chosen.items():
         if not is_key(key):

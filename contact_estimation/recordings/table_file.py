@@ -66,8 +66,8 @@ def read_columns(path: Path) -> Columns:
         raise RecordingError(f'cannot read table {path}: {reason}; check the file') from error
     if not columns or not min(map(len, columns.values())):
         raise RecordingError(
-            f'table {path} must have rows of numbers, got none; give a table with one sample a '
-            'row, such as: t,Fz,z')
+            f'table {path} must have rows of numbers, got {"none" if columns else columns}; '
+            'give a table with one sample a row, such as: t,Fz,z')
     return columns
 
 
@@ -78,10 +78,12 @@ def _parquet(path: Path) -> Columns:
         raise MissingPackageError.of('pyarrow', f'reading {path}') from error
     try:
         with parquet.ParquetFile(path) as file:
-            leaves = map(file.metadata.schema.column, range(file.metadata.num_columns))
+            leaves = [*map(file.metadata.schema.column, range(file.metadata.num_columns))]
+            names = [leaf.path for leaf in leaves]
             numbers = [leaf.path for leaf in leaves if not leaf.max_repetition_level and (
                 # A text or a list may expand to any size.
-                'BYTE_ARRAY' not in leaf.physical_type or leaf.logical_type.type == 'DECIMAL')]
+                'BYTE_ARRAY' not in leaf.physical_type
+                or leaf.logical_type.type in ('DECIMAL', 'FLOAT16'))]
             _require_size(path, file.metadata.num_rows * len(numbers))
             table = file.read(columns=numbers)
         while any(map(types.is_struct, table.schema.types)):
@@ -93,7 +95,9 @@ def _parquet(path: Path) -> Columns:
                 columns[name] = column.cast('float64')
             elif types.is_time(column.type):
                 columns[name] = column.cast('time64[ns]').cast('int64').cast('duration[ns]')
-        return _of_arrays({name: columns.pop(name).to_numpy() for name in list(columns)})
+        found = _of_arrays({name: columns.pop(name).to_numpy() for name in list(columns)})
+        found.left_out += [name for name in names if name not in numbers]
+        return found
     except (ArrowException, ValueError) as error:
         raise RecordingError(
             f'pyarrow cannot read table {path}: {error}; write it again') from error
@@ -137,7 +141,9 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
     found = Columns()
     for name, value in arrays.items():
         if isinstance(value, dict):
-            found.update(_of_arrays(value, f'{prefix}{name}.'))
+            inner = _of_arrays(value, f'{prefix}{name}.')
+            found.update(inner)
+            found.left_out += inner.left_out
             continue
         array = np.squeeze(np.asarray(value))
         if array.dtype.kind in 'mM':
@@ -148,11 +154,15 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
             own = np.atleast_2d(array.T)
             names = [name] if array.ndim == 1 else [f'{name}_{k}' for k in range(1, len(own) + 1)]
             found.update(zip((prefix + each for each in names), own))
+        else:
+            found.left_out.append(prefix + name)
     lengths = [len(column) for column in found.values()]
     most = max(set(lengths), key=lengths.count, default=0)
-    return Columns(
+    columns = Columns(
         (name, column.astype(np.int64 if column.dtype.kind in 'iu' else np.float64, copy=False))
         for name, column in found.items() if len(column) == most)
+    columns.left_out = found.left_out + [name for name in found if name not in columns]
+    return columns
 
 
 _READERS: dict[str, Callable[[Path], Columns]] = {

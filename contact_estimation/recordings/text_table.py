@@ -20,11 +20,18 @@ class Columns(dict[str, NDArray[Any]]):
     Numbers by name, all of one length: int64 where a file has integers, else float64.
 
     odd: of columns that hold other texts, how many and the first of them
+    left_out: names of what holds no numbers, or another number of them
     """
 
     def __init__(self, columns: Any = ()) -> None:
         super().__init__(columns)
         self.odd: dict[str, tuple[int, str]] = {}
+        self.left_out: list[str] = []
+
+    def __str__(self) -> str:
+        found = ', '.join(map(repr, self)) or 'none'
+        less = ', '.join(map(repr, self.left_out[:9]))
+        return found + (f' (not {less}: texts, lists or another length)' if less else '')
 
 
 _HEAD = 200  # lines in which the data begin
@@ -36,7 +43,9 @@ _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
 _LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
 _MISSING = {'', '-', '--', '?', 'na', 'n/a', '#n/a', 'null', 'none'}  # NaN is a number
 _TIME = re.compile(
-    r'(\d{4}-\d\d-\d\d)?[T ]?(\d\d:\d\d:\d\d(?:[.,]\d+)?) ?(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
+    # Of a date in another order than ISO's, the time of day counts.
+    r'(?:(\d{4}-\d\d-\d\d)|\d+[./-]\d+[./-]\d+)?[T ]?(\d\d:\d\d:\d\d(?:[.,:]\d+)?) ?'
+    r'(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
 
 
 def read_text(path: Path) -> Columns:
@@ -69,13 +78,15 @@ def is_text(path: Path) -> bool:
     """Return whether a file is text: it begins without control characters."""
     with open(path, 'rb') as binary:
         start = binary.read(1 << 12)
-    return _encoding(start) == 'utf-16' or not re.search(rb'[\x00-\x08\x0e-\x1f]', start)
+    return _encoding(start).startswith('utf-16') or not re.search(rb'[\x00-\x08\x0e-\x1f]', start)
 
 
 def _encoding(start: bytes) -> str:
     """Tell the encodings that spreadsheets write; any byte is a character of the last."""
     if start[:2] in (b'\xff\xfe', b'\xfe\xff'):
         return 'utf-16'
+    if b'\0' in start[:2]:  # ASCII in two bytes
+        return 'utf-16-be' if start[:1] == b'\0' else 'utf-16-le'
     try:
         start[:max(len(start) - 3, start.rfind(b'\n'))].decode()  # may end within a character
     except UnicodeDecodeError:
@@ -159,7 +170,7 @@ def _without_end(row: list[str]) -> list[str]:
 
 def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
     """Return whether a row holds the units of names."""
-    cells = [(name, cell) for name, cell in zip(names, row) if cell]
+    cells = [(name, cell) for name, cell in zip(names, row) if cell and _number(cell, '.') is None]
     in_brackets = sum(cell.startswith(('[', '(')) for _, cell in cells)
     return 2 * in_brackets > len(cells) or all(
         name and (cell == name or _UNIT.fullmatch(cell)) for name, cell in cells)
@@ -235,6 +246,6 @@ def _number(cell: str, mark: str) -> float | None:
         match = _TIME.fullmatch(cell.strip())
     try:
         return match and 1e-9 * float(np.datetime64(
-            f'{match[1] or "1970-01-01"}T{match[2].replace(",", ".")}', 'ns').astype(np.int64))
+            f'{match[1] or "1970-01-01"}T{match[2][:8]}.{match[2][9:] or 0}', 'ns').astype(np.int64))
     except ValueError:  # 25:00
         return None

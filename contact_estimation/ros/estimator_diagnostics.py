@@ -14,9 +14,11 @@ from rclpy.node import Node
 from . import topics
 from .plant_statistics import percentiles
 from ..estimators.estimate import Estimate
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..pipeline.arm_kinematics import NO_DESCRIPTION
 from ..pipeline.checks import lag_in_words, Rejections
 from ..pipeline.checks.stream_checks import graph_warnings
+from ..pipeline.parameters import EstimationParameters
 from ..pipeline.session import ContactSession
 from ..pipeline.wall_law import laws_in_words, ModelFitMonitor
 
@@ -112,7 +114,7 @@ class EstimatorDiagnostics:
         starved = self.processed == self._before[0]
         warnings = self._warnings(session, starved)
         level, text = self._judge(
-            warnings, estimate, self._problem_of(session), session.parameters.motion_topic)
+            warnings, estimate, self._problem_of(session), session.parameters)
         values = {**self._rates(), **self._estimation(session, estimate)}
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
@@ -131,15 +133,18 @@ class EstimatorDiagnostics:
         return message
 
     def _judge(
-        self, warnings: list[tuple[str, str]], estimate: Estimate | None, problem: str, topic: str
+        self, warnings: list[tuple[str, str]], estimate: Estimate | None, problem: str,
+        parameters: EstimationParameters,
     ) -> tuple[bytes, str]:
         silent = time.monotonic() - self._last_arrival
         self.headline = '', ''
         if problem or silent > self.silence_s:
             # Without its description or frames an arm has no use for wrenches.
-            lacking = 'transforms' if topic == 'tf' else 'robot_description'
+            lacking = 'transforms' if parameters.motion_topic == 'tf' else 'robot_description'
+            of_joints = parameters.wrench_source == JOINT_EFFORTS
+            what, who = ('efforts of joints', 'arm') if of_joints else ('wrench', 'sensor')
             name, text = (lacking, problem) if problem else (
-                'silence', f'no wrench for {silent:.1f} s; is the sensor running?')
+                'silence', f'no {what} for {silent:.1f} s; is the {who} running?')
             if self._arrived or silent > _STARTING_S:
                 self.headline = name, text
             return DiagnosticStatus.ERROR, text
@@ -148,8 +153,8 @@ class EstimatorDiagnostics:
             return DiagnosticStatus.WARN, warnings[0][1]
         if estimate is None:
             self.headline = 'joint_missing', (
-                f'wrenches come, but no motion at their stamps; is {topic} published, or '
-                'remapped?')
+                'wrenches come, but no motion at their stamps; is '
+                f'{parameters.motion_topic} published, or remapped?')
             return DiagnosticStatus.WARN, self.headline[1]
         reason = f': {estimate.reason}' if estimate.reason else ''
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'

@@ -20,6 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from .topics import JOINT_STATES, REFERENCE, TF, WRENCH
 from ..exceptions import ContactEstimationError
+from ..kinematics.parameters import JOINT_EFFORTS
 from ..parameters import ParameterSpecification, value_text
 from ..pipeline.parameters import EstimationParameters
 from ..texts import print_help
@@ -46,11 +47,13 @@ class NodeLog:
         if parameters.kinematics.tip:
             axes = f'{parameters.axis} along contact.normal of an arm'
         motion = TF if parameters.pose_source == 'tf' else JOINT_STATES
+        of_joints = parameters.wrench_source == JOINT_EFFORTS
+        force = f'efforts of {resolve(motion)}' if of_joints else resolve(WRENCH)
         x_e = parameters.environment.location
         place = f'x_e = {x_e:g} m' if x_e == x_e else 'x_e taken at the first touch'
         self._logger.info(
             f'estimator {parameters.estimator}, {parameters.reference_law}; force from '
-            f'{resolve(WRENCH)}, motion from {resolve(motion)}, axis {axes}; {place}; '
+            f'{force}, motion from {resolve(motion)}, axis {axes}; {place}; '
             f'estimates on {resolve("~/stiffness")}, reference on {resolve(REFERENCE)}')
 
     def changed(self, changes: Mapping[str, Any]) -> None:

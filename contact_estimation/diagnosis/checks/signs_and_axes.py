@@ -72,6 +72,8 @@ def position_sign(evidence: Evidence) -> Finding:
     if abs(low) < evidence.clear_force or not _is_at_one_end(low, high):
         return Finding(True, f'the force is {high:.3g} N at the largest x, {low:.3g} N at the '
                              'smallest')
+    if _is_at_one_end(float(np.ptp(evidence.smooth.force)), low):
+        change = ', which has more force in between; cut the recording where the specimen breaks'
     return Finding(False, f'the force is {low:.3g} N at the smallest x and {high:.3g} N at the '
                           f'largest, expected the contact at large x{change}')
 
@@ -86,7 +88,7 @@ def axis(evidence: Evidence) -> Finding:
                              f'{evidence.of_wall.correlation:.2f}')
     wall, robot = evidence.of_wall, None
     text = f'the force is {wall.slope:.2g} times that of the nominal wall'
-    _, expected = evidence.deviations
+    varies, expected = evidence.deviations
     if evidence.with_reference:
         robot = evidence.of_robot
         text += f' and {robot.slope:.2g} times what the robot felt'
@@ -95,6 +97,9 @@ def axis(evidence: Evidence) -> Finding:
     lines = [wall] if robot is None else [wall, robot]
     least = LITTLE if robot is None else MUCH  # without a robot the wall may be too stiff
     small = all(abs(line.slope) < least for line in lines)
+    # Metal that yields follows no line either, but presses where it is deepest.
+    if robot is None and varies > least * expected:
+        small &= _is_at_one_end(float(np.ptp(evidence.smooth.force)), evidence.sides[1])
     no_line = all(abs(line.correlation) < UNRELATED for line in lines)
     unrelated = robot is not None and no_line
     if robot is None and no_line and evidence.repeats > FOLLOWS:
@@ -102,8 +107,9 @@ def axis(evidence: Evidence) -> Finding:
     if expected < CLEAR * evidence.force_noise or not (small or unrelated):
         return Finding(True, text)
     return Finding(False, f'{text}, expected about 1: this seems to be another axis of the '
-                          'sensor, or one that is not connected; choose --axis, or check '
-                          "the wrench's frame and unit and the nominal stiffness")
+                          'sensor, or one that is not connected; choose --axis, check '
+                          "the wrench's frame and unit and the nominal stiffness, or cut the "
+                          'recording where a specimen breaks')
 
 
 _LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'nm': 1e9, 'cm': 1e2, 'inches': 39.37}

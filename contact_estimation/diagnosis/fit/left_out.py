@@ -184,8 +184,12 @@ class Linearised:
     def _step(self, normal: Array, gradient: Array, damping: float = 0.0) -> Array:
         """Return the step of the coordinates, in typical sizes, within their ranges."""
         model = self.found.model
-        prior = np.eye(len(gradient)) / _LOOSE**2 + damping * np.diag(np.diag(normal))
-        change = -np.linalg.solve(normal + prior, gradient)
+        told = np.diag(normal)
+        normal = normal + np.eye(len(gradient)) / _LOOSE**2 + damping * np.diag(told)
+        # Rounding may hide the prior where two coordinates do the same: then the least change.
+        unit = 1.0 / np.sqrt(np.maximum(told, 1.0))
+        change = -unit * np.linalg.lstsq(
+            normal * np.outer(unit, unit), unit * gradient, rcond=None)[0]
         low, high = ((bound - model.coordinates) / model.steps for bound in model.ranges)
         return np.clip(change, np.minimum(low, 0.0), np.maximum(high, 0.0))
 

@@ -8,7 +8,7 @@ import numpy as np
 from .check import (
     Array, Check, Evidence, extremes, Forces, LOADED, loaded_correlation, median_of, millimetres,
     spread_of)
-from ...kinematics.parameters import TRACKED
+from ...kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ...signals.stream_faults import CLEAR, TARE_DUE
 
 
@@ -19,6 +19,7 @@ _TILTED = 0.7  # tangent of 35 degrees, more than the friction of most pairs
 _NOISY = 10.0  # times the configured noise
 _LEAST_FREE = 50  # samples
 _MEDIAN = 0.6745  # of the size of a normal variable of variance 1
+_DESCRIBE = 'correct friction and masses of the description by diagnose --nominal-robot'
 _FRAME = 'contact.normal, and force_sensor.frame and force_sensor.rpy'
 
 
@@ -199,7 +200,9 @@ class ForceBias(Check):
         if abs(level) <= max(TARE_DUE * noise, 1e-3):
             return ''
         remedy = 'call ~/tare there, or off line give --tare first-free-flight'
-        if seen.may_be_weight:
+        if seen.parameters.wrench_source == JOINT_EFFORTS:
+            remedy = f'{_DESCRIBE}, or {remedy}'
+        elif seen.may_be_weight:
             remedy = f'run calibrate_tool, or without a tool {remedy}'
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'
 
@@ -237,6 +240,8 @@ def _level_outside(seen: Evidence) -> float:
 
 def _unless_weight(seen: Evidence) -> str:
     """Return what else a force that follows the motion of an arm may be, '' without an arm."""
+    if seen.parameters.wrench_source == JOINT_EFFORTS:
+        return f'; or, in free flight, {_DESCRIBE}'
     if not seen.may_be_weight:
         return ''
     return '; or, in free flight, run calibrate_tool: it is the weight of the tool, as it turns'
