@@ -133,16 +133,6 @@ def test_models_tell_how_large_noise_is_and_what_zeros_leave() -> None:
         assert misfit == pytest.approx([99.0, 4.0])
 
 
-def test_no_law_idealises_by_more_than_the_best_of_models_leaves() -> None:
-    base, rough, fine = scored(1e3), scored(60.0, 'a'), scored(8.0, 'a', 'b')
-    at_most, less = (evidence(base, CHEAP).informed_by(known)
-                     for known in ([base, rough], [base, rough, fine]))
-    k = CHEAP.independent
-    for found, ideal in ((at_most, 59.0), (less, 7.0)):
-        gain = float(np.log1p(COUNT * (59.0 + ideal) / k) - np.log1p(COUNT * (7.0 + ideal) / k))
-        assert found.score(fine) - found.score(rough) == pytest.approx(0.5 * k * PARTS * gain)
-
-
 def test_probability_of_a_family_is_the_weight_of_its_models() -> None:
     models = [scored(1.0), scored(1.0, 'a'), scored(1.0, 'a', 'b')]
     assert of_families(models, np.array([0.2, 0.5, 0.3])) == pytest.approx(

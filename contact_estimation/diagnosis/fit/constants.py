@@ -17,9 +17,7 @@ class Constants(NamedTuple):
     law: float
     curve: float
     independent: float  # degrees of freedom of a discrepancy in a part, at most
-    # part of the squared misfit that no law explains, since every law idealises, unless one leaves
-    # less
-    ideal: float
+    ideal: float  # part of the squared misfit that no law explains, since every law idealises
     # discrepancy that every instrument and rig has, as a share of the range of the force
     instrument: float
     # share of the squared misfit that an exact law leaves: integration, the course of a signal

@@ -164,8 +164,6 @@ class Evidence:
     # (P, C) mean square of noise, in that which was measured beforehand; 1 by default
     noise: Array | None = None
     level: Scored | None = None  # the base with the zeros that it asks for; the base by default
-    # (C,) mean square that the best of the models leaves beyond noise: no law idealises by more
-    least: Array | None = None
     # whether noise is white; otherwise a bound of all that may be slow, too, and n = k
     white: bool = True
 
@@ -174,21 +172,18 @@ class Evidence:
         every = list(models)
         least = np.min([one.errors(exact=True)[1] for one in every], axis=0)
         level = self.ranked([one for one in every if not one.laws])[0]
-        left = np.min([self._beyond_noise(one, exact=False) for one in every], axis=0)
-        return replace(
-            self, noise=np.clip(least, 1.0, NOISE_IS_KNOWN**2), level=level, least=left)
+        return replace(self, noise=np.clip(least, 1.0, NOISE_IS_KNOWN**2), level=level)
 
     @cached_property
     def misfit(self) -> tuple[Array, Array]:
         """Return what zeros leave beyond noise, (C,), for inexact laws and for exact ones."""
         level = self.level or self.base
-        return self._beyond_noise(level, exact=False), self._beyond_noise(level, exact=True)
-
-    def _beyond_noise(self, one: Scored, exact: bool) -> Array:
-        """Return the mean square that a model leaves beyond noise, shape (C,)."""
-        beyond = np.maximum(one.expected(self.constants, exact) - 1.0, 0.0)
-        return np.asarray(
-            np.sum(one.counts * beyond, axis=0) / np.maximum(one.counts.sum(axis=0), 1.0))
+        counts = level.counts
+        every = np.maximum(counts.sum(axis=0), 1.0)
+        inexact, exact = (
+            np.sum(counts * np.maximum(level.expected(self.constants, exact) - 1.0, 0.0), axis=0)
+            / every for exact in (False, True))
+        return inexact, exact
 
     @property
     def usual(self) -> float:
@@ -203,10 +198,7 @@ class Evidence:
         white = one.expected(c, exact=True)
         exact = -0.5 * n * np.maximum(white / noise - 1.0, 0.0)
         k = np.minimum(n, c.independent)
-        ideal = c.ideal * self.misfit[0]
-        if self.least is not None:
-            ideal = np.minimum(ideal, self.least)
-        d = np.maximum(expected - 1.0, 0.0) + self.instrument + ideal
+        d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit[0]
         inexact = -0.5 * k * np.log1p((n / np.maximum(k, 1.0) if self.white else 1.0) * d)
         either = exact if self.white else inexact  # what may be slow is no noise alone
         return either.sum(axis=1), inexact.sum(axis=1)
