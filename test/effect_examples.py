@@ -41,6 +41,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'bilinear_stiffness': (3000.0, 0.005),
     'stiffness_drift': (0.2,),
     'plastic_set': (0.3, 0.001),
+    'cogging': (3.0, 0.001, 0.7),
     'tool_weight': (-3.0,),
     'viscous_flow': (0.2,),
     'unloading_hysteresis': (0.4,),

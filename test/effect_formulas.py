@@ -203,6 +203,8 @@ FORMULAS: dict[str, Formula] = {
         x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),
     'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
     'plastic_set': dent,
+    'cogging': lambda t, x, v, a, amplitude, period, phase: cut(
+        x, K_e * x + B_e * v + amplitude * np.sin(2.0 * np.pi * x / period + phase)),
     'viscous_flow': flowing,
     'tool_weight': lambda t, x, v, a, W: cut(x, K_e * x + B_e * v) + W,
     'unloading_hysteresis': recovering,

@@ -48,6 +48,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'bilinear_stiffness': (1500.0, 0.006),
     'stiffness_drift': (0.02,),
     'plastic_set': (0.2, 0.004),
+    'cogging': (3.0, 0.002, 0.7),
     'tool_weight': (-3.0,),
     'viscous_flow': (0.02,),
     'unloading_hysteresis': (0.15,),
@@ -268,6 +269,13 @@ def test_attached_wall_of_other_values_is_recalibrated() -> None:
                         ('environment__inertia', 2.2))
     assert (found.verdict, named(found)) == ('recalibrate', [])
     assert found.recalibrated.values == pytest.approx((5500.0, 14.0, 2.2), rel=0.001)
+
+
+def test_cogging_is_found_beneath_friction() -> None:
+    wall: dict[str, Any] = {'environment__unilateral': False}
+    both = {**physics('coulomb_friction', 8.0), **physics('cogging', 3.0, 0.002, 0.7)}
+    found = diagnosed(recorded(**wall, **both), nominal(**wall))
+    assert sorted(named(found)) == ['cogging', 'coulomb_friction']
 
 
 def test_strong_cubic_spring_of_an_attached_wall_is_named() -> None:

@@ -39,6 +39,7 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'environment_resonance': {'physics__environment_resonance__frequency': 5.0,
                               'physics__environment_resonance__damping_ratio': 0.1},
     'force_creep': {'physics__force_creep__tau': 1.0},
+    'cogging': {'physics__cogging__period': 1.0},
     'force_decay': {'physics__force_decay__tau': 1.0},
     'dmt_adhesion': {'physics__dmt_adhesion__reach': 1.0},
     'force_saturation': {'physics__force_saturation__limit': 1e9},
@@ -177,6 +178,7 @@ class Recorded:
 
     force: float = 100.0
     depth: float = 0.03
+    stroke: float = 0.03
     stiffness: float = 1e4
     duration: float = 1.0
     sample_period: float = 0.002

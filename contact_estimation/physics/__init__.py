@@ -27,12 +27,12 @@ EFFECTS: dict[str, type[Effect]] = {name: _class_of(name) for name in (
     'quadratic_damping', 'asymmetric_damping', 'viscoelastic_relaxation', 'fractional_relaxation',
     'viscous_flow', 'bouc_wen_hysteresis', 'unloading_hysteresis', 'contact_offset',
     'moving_environment', 'beating_environment', 'adhesion', 'dmt_adhesion', 'dead_zone',
-    'free_play', 'backlash', 'bilinear_stiffness', 'stiffness_drift', 'plastic_set', 'tool_weight',
-    'tool_inertia', 'force_lag', 'force_delay', 'force_creep', 'force_decay', 'force_gain',
-    'force_nonlinearity', 'force_bias', 'force_drift', 'settling_bias', 'force_saturation',
-    'robot_friction', 'robot_drag', 'gravity_error', 'impedance_mismatch', 'reflected_inertia',
-    'joint_flexibility', 'command_delay', 'actuator_lag', 'actuator_saturation',
-    'torque_saturation',
+    'free_play', 'backlash', 'bilinear_stiffness', 'stiffness_drift', 'plastic_set', 'cogging',
+    'tool_weight', 'tool_inertia', 'force_lag', 'force_delay', 'force_creep', 'force_decay',
+    'force_gain', 'force_nonlinearity', 'force_bias', 'force_drift', 'settling_bias',
+    'force_saturation', 'robot_friction', 'robot_drag', 'gravity_error', 'impedance_mismatch',
+    'reflected_inertia', 'joint_flexibility', 'command_delay', 'actuator_lag',
+    'actuator_saturation', 'torque_saturation',
 )}
 """Contact, then force sensor in the order of its signal chain, then robot."""
 

@@ -1,7 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from math import pi
 
@@ -35,9 +36,13 @@ class BeatingEnvironment(ContactEffect):
     needs = frozenset({Need.SPRING})  # what none presses on moves unseen
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
-        p = astuple(self)
-        (x, v), (y, w) = (MovingEnvironment(*tone).surface(t, state, m) for tone in (p[:3], p[3:]))
+        (x, v), (y, w) = (tone.surface(t, state, m) for tone in self._tones)
         return x + y, v + w
+
+    @cached_property
+    def _tones(self) -> tuple[MovingEnvironment, MovingEnvironment]:
+        return (MovingEnvironment(self.amplitude, self.frequency, self.phase),
+                MovingEnvironment(self.amplitude_2, self.frequency_2, self.phase_2))
 
     def is_flexible(self, duration: float) -> bool:
         return min(self.frequency, self.frequency_2) * duration < MANY_PERIODS

@@ -40,6 +40,7 @@ class Seen(Protocol):
 
     force: float  # largest measured [N]
     depth: float  # largest [m]
+    stroke: float  # from the least to the largest x [m]
     stiffness: float  # K_e [N/m]
     duration: float  # [s]
     sample_period: float  # [s]
@@ -74,6 +75,8 @@ class Effect(ParameterGroup):
     resonates : bool
         Whether it is a mass on a spring of its own: one step of a search tells little of its
         frequency.
+    starts_anew : bool
+        Whether a search starts from the residual that the present model leaves, not the nominal.
     changes : frozenset of str
         Hooks of the port that the class overrides: the others are not called.
     sign_velocity : float
@@ -88,6 +91,7 @@ class Effect(ParameterGroup):
     description: ClassVar[str]
     needs: ClassVar[frozenset[Need]] = frozenset()
     resonates: ClassVar[bool] = False
+    starts_anew: ClassVar[bool] = False
     changes: ClassVar[frozenset[str]]
     sign_velocity: ClassVar[float] = SIGN_VELOCITY
 

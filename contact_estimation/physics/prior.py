@@ -38,7 +38,7 @@ _SLOWEST_S = 0.1  # delay
 _FEWEST, _MOST = 3, 9  # values of a spread
 
 Tone = tuple[float, complex]
-"""Frequency [Hz] and complex amplitude."""
+"""Frequency [Hz], or [1/m] along the way, and complex amplitude."""
 
 
 class Scales(NamedTuple):
@@ -63,6 +63,9 @@ class Scales(NamedTuple):
     # the two tones that together explain most of that residual; empty where unknown
     beat: tuple[Tone, ...] = ()
     driven: bool = False  # whether a measured force moves the wall, without a robot
+    # frequency [1/m] and complex amplitude [N] of the largest peaks in the spectrum of the contact
+    # residual over d
+    waves: tuple[Tone, ...] = ()
 
     @property
     def pace(self) -> float:

@@ -16,6 +16,7 @@ from dataclasses import replace
 from math import exp, log, sqrt
 
 import numpy as np
+from scipy import sparse
 from scipy.ndimage import median_filter
 from scipy.optimize import minimize_scalar
 
@@ -43,6 +44,7 @@ _CABLE, _FRICTION = 0.05, 0.003
 _MOST_STEPS = 200
 _STANDS_OUT = 10.0  # times the median: else it is not a step
 _AROUND = 5  # samples among which it stands out
+_FADED = 1e-5  # of a response: from where on it is none
 _UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
 _FAR = 4.0  # times the noise: power of the residuals
 _MEAN_S, _BLOCK_S = 0.04, 0.1  # tells ripple, and averages it
@@ -66,27 +68,24 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
             scaled = tuple(o.pace * value if time else value for value in values)
             varied = model.with_effect(name, scaled)
             columns.append(residuals(recording, varied, robust=False) - here)
+    steps = []
     if robot:
-        responses = (_held_acceleration(recording, model), *_steps_of_reference(recording, model))
-        columns += [_of_motion(recording, innovations) for innovations in responses]
+        columns.append(_held_acceleration(recording, model))
+        steps.append(_steps_of_reference(recording, model))
     if not columns:
         return recording
-    nuisances = list[tuple[Array, float]]()
+    uncertain = sparse.hstack((sparse.csc_array(np.array(columns).T), *steps), 'csc')
+    nuisances = list[tuple[slice, Array, float]]()
     # Without the motion of a robot the force alone tells the wall, of which a cable may be a part.
     if robot and model.nominal.environment.unilateral and not recording.simulated:
         pull = _CABLE * o.force_range / float(np.ptp(o.x)) * (o.x - o.x[0])
-        pull = np.pad(recording.force.average(pull), (0, len(here) - recording.block_count))
-        nuisances.append((pull, -1.0))
+        force = slice(recording.block_count)
+        nuisances.append((force, recording.force.average(pull), -1.0))
         if 'robot_friction' not in model.effects:
             rubs = model.with_effect('robot_friction', (_FRICTION * o.force_range,))
-            nuisances.append((here - residuals(recording, rubs, robust=False), 0.0))
-    return replace(recording, discount=Discount.of(np.array(columns).T, nuisances))
-
-
-def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:
-    """Return the residuals of innovations in the motion alone."""
-    motion = recording.motion.average(innovations)
-    return np.concatenate((np.zeros(len(motion)), motion))
+            slowed = here - residuals(recording, rubs, robust=False)
+            nuisances.append((slice(force.stop, None), slowed[force.stop:], 0.0))
+    return replace(recording, discount=Discount.of(uncertain, nuisances))
 
 
 def _response(recording: PreparedRecording, push: Array, model: Model) -> Array:
@@ -96,14 +95,15 @@ def _response(recording: PreparedRecording, push: Array, model: Model) -> Array:
 
 
 def _held_acceleration(recording: PreparedRecording, model: Model) -> Array:
-    """Return the innovations if the robot holds the desired acceleration over each sample."""
+    """Return the residuals if the robot holds the desired acceleration over each sample."""
     reference, mass = recording.observed.reference, model.laws().robot.mass
     assert reference is not None
-    return _response(recording, -0.5 * mass * np.gradient(reference[2]), model)
+    innovations = _response(recording, -0.5 * mass * np.gradient(reference[2]), model)
+    return np.pad(recording.motion.average(innovations), (recording.block_count, 0))
 
 
-def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Array]:
-    """Return the innovations if a step of the reference comes a fraction of a sample off."""
+def _steps_of_reference(recording: PreparedRecording, model: Model) -> sparse.csc_array:
+    """Return the residuals if a step of the reference comes a fraction of a sample off."""
     o, robot = recording.observed, model.laws().robot
     assert o.reference is not None
     x_r, v_r, a_r = o.reference[:3]
@@ -117,13 +117,16 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
     pulse[0] = 1.0
     response = _response(recording, pulse, model)
     variance = float(np.sum(recording.motion.average(response) ** 2)) * (_UNIFORM * jumps) ** 2
-    responses = []
-    for k in steps[(size[steps] > least) & (variance[steps] > LITTLE * LEAST_VARIANCE)].tolist():
-        for first in (k, k + 1):  # two pulses span its possible courses within the sample
-            moved = np.zeros(len(o.t))
-            moved[first:] = response[:len(o.t) - first] * jumps[k] * _UNIFORM
-            responses.append(moved)
-    return responses
+    steps = steps[(size[steps] > least) & (variance[steps] > LITTLE * LEAST_VARIANCE)]
+    # Two pulses span the possible courses of a step within its sample.
+    first, jump = np.stack((steps, steps + 1), axis=1).ravel(), np.repeat(jumps[steps], 2)
+    response = response[:np.flatnonzero(np.abs(response) > _FADED * np.ptp(response))[-1] + 1]
+    rows = first[:, np.newaxis] + np.arange(len(response))
+    k, _ = there = np.nonzero(rows < len(o.t))
+    moved = sparse.csc_array(
+        (_UNIFORM * np.outer(jump, response)[there], (rows[there], k)), (len(o.t), len(first)))
+    before = sparse.csc_array((recording.block_count, len(first)))
+    return sparse.vstack((before, recording.motion.averaging @ moved), 'csc')
 
 
 def without_ripple(recording: PreparedRecording, model: Model) -> PreparedRecording:

@@ -6,7 +6,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -18,6 +18,7 @@ from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import bends, force_residual, huber
 from ...physics import EFFECTS
+from ...physics.moving_environment import MANY_PERIODS
 from ...physics.numeric import Array, Flags
 from ...physics.prior import Scales, Tone
 
@@ -26,6 +27,7 @@ Tones = tuple[Tone, ...]
 _LEAST = 1e-30  # in any unit
 _PEAKS, _HIGHEST_HZ = 3, 12.0
 _STRONG, _ALIKE = 40, 1e-3  # frequencies that are tried in pairs; relative singular value
+_BINS = 1024  # of the way
 _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
 
@@ -73,16 +75,40 @@ def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:
     sums = np.fft.rfft(r, finer) * np.exp(-2j * np.pi * frequencies * o.t[0])
     inside = (frequencies >= 0.5 / float(o.t[-1])) & (frequencies < _HIGHEST_HZ / o.pace)
     frequencies, amplitudes = frequencies[inside], 2.0 / count * sums[inside]
-    order = np.argsort(-np.abs(amplitudes)).tolist()
-    spacing = 1.0 / (finer * stride * o.h)
-    found: list[Tone] = []
-    for k in order:
-        if all(abs(frequencies[k] - other) > 4.0 * spacing for other, _ in found):
+    strong = np.sort(frequencies[np.argsort(-np.abs(amplitudes))[:_STRONG]])
+    return _peaks(frequencies, amplitudes), _beat(o.t[::stride][use], r[use], strong)
+
+
+def _peaks(frequencies: Any, amplitudes: Any) -> Tones:
+    """Find the largest peaks of a spectrum whose frequencies are `_FINER` than resolved."""
+    found = list[Tone]()
+    for k in np.argsort(-np.abs(amplitudes)).tolist():
+        if all(abs(frequencies[k] - other) > _FINER * (frequencies[1] - frequencies[0])
+               for other, _ in found):
             found.append((float(frequencies[k]), complex(amplitudes[k])))
         if len(found) == _PEAKS:
             break
-    strong = np.sort(frequencies[order[:_STRONG]])
-    return tuple(found), _beat(o.t[::stride][use], r[use], strong)
+    return tuple(found)
+
+
+def measure_waves(recording: PreparedRecording, model: Model) -> Tones:
+    """Find the largest peaks in the spectrum of the contact residual over the way."""
+    o, wall = recording.observed, model.nominal.environment
+    use = recording.use & o.measured
+    stroke = float(np.ptp(o.x[use])) if use.any() else 0.0
+    if wall.unilateral or not stroke:
+        return ()
+    first = float(o.x[use].min())
+    place = np.minimum((o.x[use] - first) / stroke * _BINS, _BINS - 1).astype(int)
+    visits = np.bincount(place, minlength=_BINS)
+    # On average over the way there and the way back friction and inertia are nearly nothing.
+    mean = np.bincount(place, force_residual(recording, model)[use], _BINS) / np.maximum(visits, 1)
+    mean = np.where(visits > 0, mean - mean[visits > 0].mean(), 0.0)
+    frequencies = np.fft.rfftfreq(_FINER * _BINS, stroke / _BINS)
+    middle = first - wall.location + 0.5 * stroke / _BINS
+    sums = np.fft.rfft(mean, _FINER * _BINS) * np.exp(-2j * np.pi * frequencies * middle)
+    inside = slice(round(_FINER * MANY_PERIODS) + 1, _FINER * _BINS // 8)
+    return _peaks(frequencies[inside], 2.0 / np.count_nonzero(visits) * sums[inside])
 
 
 def _beat(t: Array, r: Array, frequencies: Array) -> Tones:
@@ -154,12 +180,18 @@ class Screening:
 
     @cached_property
     def _starts(self) -> list[_Start]:
-        here, starts = self._straight(self.base.model, self.base.model.coordinates), []
-        for name in self.names:
-            models = [self.base.model.with_effect(name, values)
-                      for values in EFFECTS[name].prior(self.scales).starts]
-            starts += [self._start(model, here) for model in models]
-        return starts
+        return self._starts_of(
+            [name for name in self.names if not EFFECTS[name].starts_anew], self.scales)
+
+    def _starts_of(self, names: Sequence[str], scales: Scales) -> list[_Start]:
+        """Evaluate the starts of effects beside the nominal model."""
+        models = [self.base.model.with_effect(name, values)
+                  for name in names for values in EFFECTS[name].prior(scales).starts]
+        return [self._start(model, self._here) for model in models]
+
+    @cached_property
+    def _here(self) -> Array:
+        return self._straight(self.base.model, self.base.model.coordinates)
 
     def _start(self, model: Model, here: Array) -> _Start:
         own = _of_newest(model)
@@ -182,8 +214,10 @@ class Screening:
         columns = differentiate_by(
             present.coordinates, present.steps, straight, here, most=present.ranges[1])
         basis = np.linalg.qr(columns)[0] if columns.shape[1] else np.zeros((len(here), 0))
+        anew = [name for name in names if EFFECTS[name].starts_anew]
+        left = self.scales._replace(waves=measure_waves(self.recordings[0], present))
         found = dict[str, list[Step]]()
-        for start in self._starts:
+        for start in self._starts + self._starts_of(anew, left):
             if start.name in names:
                 found.setdefault(start.name, []).append(
                     self._step(present, start, here, columns, basis))
@@ -192,11 +226,12 @@ class Screening:
         return {name: best[name] for name in order}
 
     def composed(self) -> list[Model]:
-        """Return the nominal model with two laws that act on each other, each at its best."""
+        """Return the nominal model with two laws that act on each other, the best pairs first."""
         each = compose(self.base.model, self.names, self.scales, lambda model: self._straight(
             model, model.coordinates))
-        return [ranked_by(starts, lambda one: self._cost(one.residuals))[0].model
-                for starts in each]
+        cost = lambda one: self._cost(one.residuals)  # noqa: E731
+        best = [ranked_by(starts, cost)[0] for starts in each]
+        return [one.model for one in ranked_by(best, cost)]
 
     def _step(
         self, present: Model, start: _Start, here: Array, columns: Array, basis: Array

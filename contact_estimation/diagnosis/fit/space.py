@@ -101,6 +101,7 @@ class _Recorded:
         self.force = float(np.max(np.abs(recording.observed.force)))
         surface = model.nominal.environment.location
         self.depth = float(np.max(np.abs(recording.observed.x - surface)))
+        self.stroke = float(np.ptp(recording.observed.x))
         self.stiffness = model.stiffness
         self.duration = float(recording.observed.t[-1])
         self.sample_period = recording.observed.h
@@ -234,10 +235,11 @@ class ContactModels:
     def compositions(self, rival: Scored) -> list[Scored]:
         """Fit the nominal model with each relaxation of each elastic law."""
         recordings = self.weighed(self._base.model)
-        begun = [fit(recordings, model, _LONGER) for model in self._screening.composed()]
+        begun = [fit(recordings, model, _LONGER)
+                 for model in self._screening.composed()[:_FOLLOWED]]
         least = fit_at(recordings, rival.found.found.model).cost
         nearest = [one for one in ranked(begun, lambda one: one.cost) if one.cost < least]
-        finished = [self._finished(one.model, _TO_THE_END) for one in nearest[:_SCORED]]
+        finished = [self._finished(one.model, _TO_THE_END) for one in nearest[:_SCORED // 2]]
         return [one for one in finished if one is not None]
 
     def siblings(self, one: Scored) -> list[Scored]:

@@ -8,6 +8,8 @@ from functools import cached_property
 from typing import Sequence
 
 import numpy as np
+from scipy import sparse
+from scipy.linalg import eigh
 from scipy.ndimage import maximum_filter1d
 
 from .driven_wall import DrivenWall
@@ -67,6 +69,15 @@ class Channel:
         return np.asarray(_in_blocks(weights, self.block) / self._sum_std[:, np.newaxis])
 
     @property
+    def averaging(self) -> sparse.csr_array:
+        """Return `average` as a matrix, shape (blocks, N), for many errors that are short."""
+        weights = self._weights
+        entries = np.arange(weights.size + 1)
+        return sparse.csr_array(
+            (weights.ravel(), entries[:-1], entries[::self.block]),
+            shape=(len(weights), len(self.use)))
+
+    @property
     def error(self) -> float:
         """Return the standard deviation of a sample: noise and discrepancy."""
         return float(np.hypot(self.noise, self.discrepancy))
@@ -106,23 +117,26 @@ class Discount:
 
     directions: Array  # (R, C) orthonormal
     shares: Array  # (C,) the part of the residuals along each direction that is taken away, 0 to 1
-    # residuals (R,) of the greatest of each nuisance, in one channel, of which what fits best is
+    # residuals of the greatest of each nuisance, those of one channel, of which what fits best is
     # taken away; and the least of it, in the greatest
-    nuisances: Sequence[tuple[Array, float]]
+    nuisances: Sequence[tuple[slice, Array, float]]
 
     @classmethod
-    def of(cls, columns: Array, nuisances: Sequence[tuple[Array, float]]) -> 'Discount':
+    def of(
+        cls, columns: sparse.csc_array, nuisances: Sequence[tuple[slice, Array, float]]
+    ) -> 'Discount':
         """Discount what uncertain parameters and nuisances could explain."""
-        squares, turns = np.linalg.eigh(columns.T @ columns)
-        large = squares > LEAST_VARIANCE
-        directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
-        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]), nuisances)
+        squares, turns = eigh(
+            (columns.T @ columns).toarray(), subset_by_value=(LEAST_VARIANCE, np.inf))
+        directions = columns @ (turns / np.sqrt(squares))
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares), nuisances)
 
     def apply(self, residuals: Array) -> Array:
         """Whiten residuals."""
-        for greatest, least in self.nuisances:
-            residuals = residuals - _size(residuals, greatest, least) * greatest
-        return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))
+        left = residuals.copy()
+        for channel, greatest, least in self.nuisances:
+            left[channel] -= _size(left[channel], greatest, least) * greatest
+        return left - self.directions @ (self.shares * (self.directions.T @ left))
 
 
 def _size(residuals: Array, greatest: Array, least: float) -> float:
