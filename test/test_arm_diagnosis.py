@@ -169,6 +169,9 @@ def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint()
     ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0],
                        'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),
     ('torque_gravity', {'tau': lambda tau: tau - weight()}),
+    ('base_mounting', {'tau': lambda tau: tau - 2.0 * weight()}),
+    ('base_mounting', {'tau': lambda tau: tau - weight() + ArmDynamics(URDF).tilt(
+        motion().q)[..., 0]}),
     ('torque_external', {'tau': lambda tau: 0.05 * np.ptp(tau, axis=0) * np.tanh(motion().v)})])
 def test_wrong_use_is_told_before_any_name(check: str, changes: dict[str, Any]) -> None:
     found = diagnose_arm(arm_recording(**changes), URDF)

@@ -23,6 +23,7 @@ _ROWS = 300  # samples that tell a misreading
 _FOLD = 1.0  # nats of log error that another reading must gain in each joint
 # Most of a load, in the mass of the links (rated are 0.1 to 0.5), and of its centre's distance
 _CARRIES, _REACH_M = 0.5, 0.5
+_TILTED = np.radians(20.0)  # base, of which gravity is not linear in the angle any more
 _GAIN = 2.5  # published gains of one arm differ by half; a unit by at least so much
 _LOADED = 0.1  # of the largest modelled torque: a joint whose links tell its gain
 _LAG_S, _LAGS_S = 0.02, np.linspace(-0.2, 0.2, 41)  # told; tried
@@ -142,16 +143,19 @@ class Reading:
     def carrying(self) -> Array:
         """Return the loads if the flange carries what fits, up to half of what moves."""
         Y = self.arm.regressor(self.q, self.v, self.a)[..., -PER_LINK:][..., :4]
-        every = np.concatenate([Y, (self.tau - self.load)[..., None]], axis=2)
-        rows = []
+        A, most = self.beyond_plain(Y, self.load), _CARRIES * float(self.arm.masses.sum())
+        carried = lsq_linear(A[:, :-1], A[:, -1], ([0.0, *3 * [-most * _REACH_M]],
+                                                   [most, *3 * [most * _REACH_M]])).x
+        return np.asarray(self.load + Y @ carried)
+
+    def beyond_plain(self, Y: Array, load: Array) -> Array:
+        """Return columns (N, n, K), and torques less a load, of which no plain law is a part."""
+        every, rows = np.concatenate([Y, (self.tau - load)[..., None]], axis=2), []
         for j in self.joints:
             X = np.stack(self.plain(j), axis=1)
             left = every[:, j] - X @ np.linalg.lstsq(X, every[:, j], rcond=None)[0]
             rows.append(left / (self.tau[:, j].std() + 1e-12))
-        A, most = np.concatenate(rows), _CARRIES * float(self.arm.masses.sum())
-        carried = lsq_linear(A[:, :-1], A[:, -1], ([0.0, *3 * [-most * _REACH_M]],
-                                                   [most, *3 * [most * _REACH_M]])).x
-        return np.asarray(self.load + Y @ carried)
+        return np.concatenate(rows)
 
     def compared(self, j: int) -> str:
         """Return range of a joint's torque, and its correlation with that of the description."""
@@ -245,6 +249,22 @@ def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
             -reading.arm.torque_from(reading.q, reading.outside)))
 
 
+def _mounted(reading: Reading, right: Array) -> Iterator[Misreading]:
+    """Return gravity in another direction: a base on a wall or on the ceiling."""
+    still = np.zeros_like(reading.q)
+    weight = reading.arm.torque(reading.q, still, still)
+    Y = np.concatenate([reading.arm.tilt(reading.q), -weight[..., None]], axis=2)
+    A = reading.beyond_plain(Y, reading.load - weight)
+    down = np.linalg.lstsq(A[:, :-1], A[:, -1], rcond=None)[0]
+    down /= np.linalg.norm(down) + 1e-12
+    if down[2] > -np.cos(_TILTED):
+        along = ', '.join(f'{x + 0.0:.2f}' for x in down)
+        yield Misreading('base_mounting', (
+            f'gravity acts along ({along}) of the base, and not along (0, 0, -1): the arm is '
+            'mounted on a wall or a ceiling; turn the root of the description by a fixed joint'),
+            reading.errors(reading.load - weight + Y @ down))
+
+
 def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
     """Return torques of another unit, or of the motor in place of the joint."""
     sizes = np.sqrt(np.mean(reading.load**2, axis=0))
@@ -271,6 +291,7 @@ _READ = {
     'joint_order': 'each torque belongs to the motion of its joint',
     'torque_gravity': 'torques hold the arm against gravity',
     'torque_external': 'torques move the arm',
+    'base_mounting': 'gravity acts along -z of the base',
     'torque_unit': 'torques have the size of those of the joints in N m',
 }
 """What is right, by check."""
@@ -283,7 +304,7 @@ def check_reading(reading: Reading) -> list[Check]:
     # Outermost, a heavy load looks like torques of another unit.
     best, found = min(float(right.sum()), float(some.errors(some.carrying()).sum())), None
     # Friction, rotor and spring of a joint follow a torque of any unit.
-    ways = (_flipped, _disordered, _exchanged, _mirrored, _lacking, _units)
+    ways = (_flipped, _disordered, _exchanged, _mirrored, _lacking, _mounted, _units)
     for one in chain.from_iterable(tried(some, right) for tried in (
             ways if (right >= np.log(_IN_ORDER)).any() else ways[-1:])):
         if one.errors.sum() + one.price < best:
