@@ -259,7 +259,7 @@ class WallInference:
         Returns also what each of the laws that doubt rows divides that by.
         """
         sums, smooth, best = self._sums, self._blocks.smoothing, self.residuals.best
-        own = [one.variance(phi, self._blocks.period_s, smooth.noise) for one in sums.doubting]
+        own = [one.variance(phi, smooth.noise) for one in sums.doubting]
         unknown = np.square(self.inertia * phi[ACCELERATION_NOISE]) / smooth.noise
         for k, one in enumerate(sums.doubting):
             if best is not None and one.law == best[0][0]:  # then all doubt them

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, MODEL_ERROR_S, POLES_STD, TWO_POLES, WALK
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
 from .laws import (
     ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, LOG_PRIOR, MASS,
     MOVING, ONE, SIGN)
@@ -140,15 +140,15 @@ class DoubtedRows(OwnData):
         super().__init__(law)
         self.coefficient, self.size = {MASS: 2, FRICTION: 4}[law], 0.0
 
-    def variance(self, phi: Array, period_s: float, noise: float) -> Array:
+    def variance(self, phi: Array, noise: float) -> Array:
         """
         Return what the variance of samples has under this law alone, (N,) [N^2].
 
         phi (19, N): rows
-        period_s, noise: of the samples [s], and variance of S0 of white noise of variance 1
+        noise: variance of S0 of white noise of variance 1
         """
         if self.law == FRICTION:
-            share = (1.0 - np.square(phi[SIGN])) * (MODEL_ERROR_S / period_s)
+            share = 1.0 - np.square(phi[SIGN])
         else:
             share = np.square(phi[ACCELERATION_NOISE]) / noise
         return np.asarray(self.size * self.size * share)
