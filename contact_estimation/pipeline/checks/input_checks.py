@@ -17,10 +17,10 @@ from .check import Array, AxisState, bias_of, BLOCKS, Check, Evidence, Forces, W
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
     Surface, SurfaceShifted, SurfaceUnchecked)
-from .lag_checks import StampSkew, StampSkewOrMass
+from .lag_checks import StampSkew
 from .stream_checks import (
-    JointRate, JointStill, JointUnits, JointVelocity, PositionUnit, SampleRate, StampBursts,
-    TwoForces, TwoPositions, ZeroSteps)
+    JointStill, JointUnits, JointVelocity, PositionUnit, SampleRate, StampBursts, TwoForces,
+    TwoPositions, ZeroSteps)
 from ..parameters import EstimationParameters
 from ...estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ...signals.contact_sample import AxesSample
@@ -170,9 +170,8 @@ class EvidenceWindow:
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
     PositionUnit(), JointVelocity(), WrenchAxes(), ForceSign(), OtherAxis(), ForceDirection(),
-    StampSkew(), Surface(), StampSkewOrMass(), JointRate(), ZeroSteps(),
-    ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
-    SurfaceUnchecked(),
+    StampSkew(), Surface(), ZeroSteps(), ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(),
+    SurfaceShifted(), SurfaceUnchecked(),
 )
 """Every check of an axis, in the order of importance; the first active one is the headline."""
 
