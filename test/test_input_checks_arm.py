@@ -18,7 +18,7 @@ from contact_estimation.pipeline.inputs import MessageInputs
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.stream_faults import BEFORE_ANY, StampScreen
+from contact_estimation.signals.stamp_screen import BEFORE_ANY, StampScreen
 from hypothesis import given, settings, strategies as st
 import numpy as np
 from numpy.typing import NDArray

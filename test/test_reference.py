@@ -13,7 +13,7 @@ from contact_estimation.reference.parameters import ReferenceParameters
 from contact_estimation.reference.reference_generator import (
     eq20_compliance, LAWS, limited, quintic, ReferenceGenerator, series_compliance)
 from contact_estimation.reference.setpoints import Desired, Reference
-from contact_estimation.signals.stream_faults import CONFIRMING
+from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import closed_loop, PAPER_SENSORS
 from hostile_loop import CHANGES, Event, HostileLoop, TOPICS
 from hypothesis import given, Phase, settings, strategies as st

@@ -14,7 +14,7 @@ from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.decoding import Vector3StampedDecoder
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.stream_faults import CONFIRMING
+from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import contact_samples
 import numpy as np
 import pytest

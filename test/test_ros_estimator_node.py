@@ -8,7 +8,7 @@ from typing import Iterator
 
 from contact_estimation.estimators.multiple_model import LAWS
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.stream_faults import CONFIRMING
+from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import contact_samples
 import pytest
 from ros_messages import Float64, moved, session_results

@@ -72,8 +72,8 @@ def run(options: Any) -> int:
         ('force_sensor.axes', AXES[0]), ('kinematics.base', model.base)))
     if axes == 'base' and not given.get('kinematics.base'):
         raise ParameterRangeError(
-            'force_sensor.axes: base needs kinematics.base in --params: the link in whose axes the '
-            f'driver expresses the wrench, such as {base} if that is the base of the robot')
+            'force_sensor.axes: base needs kinematics.base in --params: the link in whose axes '
+            f'the driver expresses the wrench, such as {base} if that is the base of the robot')
 
     def calibrated(axes: str) -> ToolCalibration:
         return calibrate_tool(read_blocks(

@@ -95,28 +95,9 @@ class RecursiveLeastSquares(OnlineEstimator):
         for _, (y, f_K, f_B, _, f_M) in rows:
             if unknown * K * K > BB:  # a frozen initial value is uncertain
                 BB = unknown * K * K
-            p_K = KK * f_K + KB * f_B + KM * f_M
-            p_B = KB * f_K + BB * f_B + BM * f_M
-            p_M = KM * f_K + BM * f_B + MM * f_M
-            s = forget + f_K * p_K + f_B * p_B + f_M * p_M
-            error = y - K * f_K - B * f_B - M * f_M
-            if free_K:
-                l_K = p_K / s
-                K += l_K * error
-                KK -= l_K * p_K
-                KB -= l_K * p_B
-                KM -= l_K * p_M
-            elif free_B:  # K is frozen: its covariance with B still shrinks
-                KB -= p_B / s * p_K
-            if free_B:
-                l_B = p_B / s
-                B += l_B * error
-                BB -= l_B * p_B
-                BM -= l_B * p_M
-            if free_M:
-                l_M = p_M / s
-                M += l_M * error
-                MM -= l_M * p_M
+            (K, B, M), (KK, KB, KM, BB, BM, MM) = _corrected(
+                (K, B, M), (KK, KB, KM, BB, BM, MM), (y, f_K, f_B, f_M), forget,
+                (free_K, free_B, free_M))
             if not (K_low < K < K_high and 0.0 < B < B_high):
                 K, B, M = _project((K, B, M), (KK, KB, KM, BB, BM), limits)
             KK, KB, KM, BB, BM, MM = self._forget(
@@ -151,6 +132,38 @@ class RecursiveLeastSquares(OnlineEstimator):
             self.stiffness, self.damping, sqrt(averaged * max(self._P[0], 0.0)),
             sqrt(averaged * max(self._P[3], 0.0)), 0.0,
             self._M if self._p.estimate_inertia else nan)
+
+
+def _corrected(
+    theta: tuple[float, float, float], P: Covariance, row: tuple[float, float, float, float],
+    forget: float, free: tuple[bool, bool, bool],
+) -> tuple[tuple[float, float, float], Covariance]:
+    """Apply eqs. (36) and (37) to the parameters that are free: theta and P."""
+    (K, B, M), (KK, KB, KM, BB, BM, MM), (y, f_K, f_B, f_M) = theta, P, row
+    free_K, free_B, free_M = free
+    p_K = KK * f_K + KB * f_B + KM * f_M
+    p_B = KB * f_K + BB * f_B + BM * f_M
+    p_M = KM * f_K + BM * f_B + MM * f_M
+    s = forget + f_K * p_K + f_B * p_B + f_M * p_M
+    error = y - K * f_K - B * f_B - M * f_M
+    if free_K:
+        l_K = p_K / s
+        K += l_K * error
+        KK -= l_K * p_K
+        KB -= l_K * p_B
+        KM -= l_K * p_M
+    elif free_B:  # K is frozen: its covariance with B still shrinks
+        KB -= p_B / s * p_K
+    if free_B:
+        l_B = p_B / s
+        B += l_B * error
+        BB -= l_B * p_B
+        BM -= l_B * p_M
+    if free_M:
+        l_M = p_M / s
+        M += l_M * error
+        MM -= l_M * p_M
+    return (K, B, M), (KK, KB, KM, BB, BM, MM)
 
 
 def _project(

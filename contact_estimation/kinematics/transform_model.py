@@ -14,7 +14,7 @@ from .frame_tree import (
 from .robot_model import Array
 from ..exceptions import ModelFileError, UnknownNameError
 from ..signals.joint_merging import Row, row_at
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 
 NUMBERS = 7  # of a pose
 _MOST_KEPT = 10_000  # of a frame while another is silent

@@ -19,6 +19,7 @@ from math import nan
 from typing import Any, Sequence
 
 from .effect import Effect
+from .force_delay import ForceDelay
 from .force_sensor_effect import ForceSensorEffect
 from .known_wall import KnownWall, Memory, Motion, NOT_FINITE, WAITING, WallTerms
 from ..signals.contact_sample import CompensatedSample, ContactSample
@@ -45,6 +46,7 @@ class Compensation:
     initial_stiffness: first guess of K_e [N/m]
     force_noise: standard deviation of the force noise [N]
     sample_rate: nominal [Hz], until the stamps have shown theirs
+    late: delays a signal as the sensor does, given time, time step [s] and value
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class Compensation:
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
         self._tool = sum(effect.added_mass for effect in self._sensor)
         self._late, self.lags = _memory(lagging), bool(lagging)
+        self.late = _memory([effect for effect in lagging if isinstance(effect, ForceDelay)])
         self._moves = self._wall.inertia > 0.0 or self._tool > 0.0
         self._range = min((e.largest_reading for e in self._sensor), default=math.inf)
         self._range -= _CLIPPED * force_noise
@@ -81,10 +84,6 @@ class Compensation:
     def nominal(self, surface: float) -> float:
         """Return x_e nominal of a wall first met at some place; see `KnownWall.nominal`."""
         return self._wall.nominal(surface)
-
-    def forces(self, surface: float, count: int) -> list[float]:
-        """Return the known force of a wall first met at some place; see `KnownWall.forces`."""
-        return self._wall.forces(surface, count) if self._wall.acts else [0.0] * count
 
     def take(self, sample: ContactSample, location: float, pressing: float) -> CompensatedSample:
         """Process a sample, with x_e nominal [m], NaN until known, and -F_e less the tare [N]."""

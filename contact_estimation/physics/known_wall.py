@@ -123,14 +123,6 @@ class KnownWall:
                 return kept[max(k - _APPROACH, 0):]
         return kept
 
-    def forces(self, surface: float, count: int) -> list[float]:
-        """Return the known force [N], with inertia, of the last samples if met at `surface`."""
-        location, kept = self.nominal(surface), list(self._kept)
-        terms = [self._next(moved, location) for moved in kept[-count - _APPROACH:]][-count:]
-        gates = [1.0 if self._memories or own.depth > 0.0 else 0.0 for own in terms]
-        self._rest()
-        return [own.inertial_force + gate * own.force for own, gate in zip(terms, gates)]
-
     def nominal(self, surface: float) -> float:
         """Return x_e nominal [m] of a wall first met at `surface`, where effects displace it."""
         touched = [k for k, moved in enumerate(self._kept) if moved.x <= surface]

@@ -19,7 +19,7 @@ from ..kinematics.transform_model import MovingFrames, TransformModel
 from ..recordings.cdr import header_stamp_ns
 from ..recordings.decoding import JointsDecoder
 from ..signals.joint_merging import JointMerger
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 
 
 class StartUp:

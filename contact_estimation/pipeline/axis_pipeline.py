@@ -158,7 +158,7 @@ class EstimationPipeline:
         if self._by_rows is not None:
             self._by_rows.restart()
         self._compensate()
-        self.surface.await_touch(self._compensation)
+        self.surface.compensation = self._compensation
         self._known_physics = KnownPhysics(self.posterior, self._compensation)
         self.publication.lasting.restart()
 
@@ -257,7 +257,7 @@ class EstimationPipeline:
             pressing = known.pressing
         self._note_force(state, dt, x, v, pressing)
         if location != location:
-            surface.locate(state, dt, x, v, pressing)
+            surface.locate(state)
         if known is None and rows is None:
             published = self._by_posterior.published(stamp_ns, state, surface.location)
             return new_tuple(Estimate, (stamp_ns, *published))

@@ -19,7 +19,7 @@ from ..kinematics.parameters import JOINT_EFFORTS
 from ..recordings import RecordedMessage
 from ..recordings.cdr import header_stamp_ns
 from ..recordings.decoding import ForceTorqueDecoder, JointsDecoder, WrenchDecoder
-from ..signals.stream_faults import BEFORE_ANY, StampScreen
+from ..signals.stamp_screen import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 
 

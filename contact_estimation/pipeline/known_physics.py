@@ -28,7 +28,7 @@ class KnownPhysics:
     """
 
     def __init__(self, posterior: WallPosterior, compensation: Compensation) -> None:
-        self._posterior, self._lags = posterior, compensation.lags
+        self._posterior, self._lags, self._late = posterior, compensation.lags, compensation.late
         self._inside, self._let_go, self._x = False, False, nan
 
     def take(
@@ -50,15 +50,17 @@ class KnownPhysics:
         contact = self._posterior.contact
         if known.hindrance is CLIPPED and contact.state == CONTACT:
             return CONTACT, shift, known  # a constant force would pass for that of no wall
-        path, bent = x, (0.0, 0.0)  # a path on which K_e acts
+        where, bent = x - shift, (0.0, 0.0)
         if location == location:
-            path = location + known.stiffness_column
+            path = location + known.stiffness_column  # on which K_e acts
             bent = known.travel - known.stiffness_column, known.constant_column - 1.0
+        else:
+            path = where = self._late(t, dt, x)  # as the force comes
         # Without a force the known physics that are taken out would pass for one.
         usable = not known.hindrance and contact.exceeds_noise(known.pressing)
         rest = known.rest + known.inertial_force  # the posterior has a less noisy acceleration
         state = self._posterior.take(
-            t, rest, path, known.velocity, usable, (known.pressing, x - shift), bent)
+            t, rest, path, known.velocity, usable, (known.pressing, where), bent)
         return state, shift, known
 
     def _until_released(

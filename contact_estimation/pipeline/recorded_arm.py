@@ -33,7 +33,7 @@ from ..recordings.recorded_signals import (
 from ..recordings.source import canonical, from_metadata, RecordingSource
 from ..signals.filters import smoothed_rate
 from ..signals.joint_merging import JointMerger
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',

@@ -12,7 +12,7 @@ from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import ContactSample
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 
 _MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
 _FREE = EstimateStatus.FREE  # an enumeration takes long to look up

@@ -28,7 +28,7 @@ from ..recordings.decoding import decode_string, TrajectoryDecoder
 from ..recordings.recorded_signals import Tare, wrench_rate
 from ..recordings.source import canonical, RecordingSource
 from ..reference.setpoints import Reference
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 
 _CUTOFF = 'conditioning.cutoff_frequency'
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows

@@ -21,7 +21,7 @@ from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinemati
 from ..parameters import changed
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import AxesSample, ContactSample
-from ..signals.stream_faults import BEFORE_ANY
+from ..signals.stamp_screen import BEFORE_ANY
 from ..signals.synchronisation import Columns, Synchroniser
 
 _FEW = 4  # samples that are not worth arrays

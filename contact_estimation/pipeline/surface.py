@@ -6,8 +6,7 @@
 from math import nan
 
 from .checks.check import millimetres
-from .first_touch import FirstTouch
-from ..estimators.multiple_model import WallPosterior
+from ..estimators.multiple_model import CONTACT, WallPosterior
 from ..estimators.parameters import EnvironmentParameters
 from ..physics.compensation import Compensation
 
@@ -21,6 +20,7 @@ class Surface:
     The nominal surface, from which depths count, and how far from it the posterior finds it.
 
     environment: `location` and `location_std` as configured
+    compensation: of known physics, which may displace the wall
     location: x_e as configured, or as found at the first touch [m]; NaN before
     margin: how far from its location the surface may be [m]
     """
@@ -30,22 +30,17 @@ class Surface:
         compensation: Compensation,
     ) -> None:
         self._configured, self._posterior = environment.location, posterior
+        self.compensation = compensation
         self.location = environment.location
         self.margin = max(_MARGIN * environment.location_std, _LEAST_MARGIN)
-        self.await_touch(compensation)
 
-    def await_touch(self, compensation: Compensation) -> None:
-        """Look for the first touch among the samples to come."""
-        self._compensation, self._touch = compensation, FirstTouch(compensation.forces)
-
-    def locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
-        """Take the surface that the first touch shows; see `FirstTouch.take`."""
-        contact = self._posterior.contact
-        found = self._touch.take(state, x, v, pressing, contact.level, dt, contact.noise_std)
-        if found is not None:
-            self.location = self._compensation.nominal(found[0])
-            if self._compensation.acts:  # else the posterior knows it better, for any law
-                self._posterior.expect(self.location, found[1])
+    def locate(self, state: int) -> None:
+        """Take the surface where the first touch is felt."""
+        if state == CONTACT:
+            known = self._posterior.known
+            self.location = self.compensation.nominal(known.surface)
+            if self.compensation.acts:  # else the posterior knows it better, for any law
+                self._posterior.expect(self.location, known.surface_std)
 
     @property
     def shift(self) -> float:

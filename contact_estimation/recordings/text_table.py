@@ -244,8 +244,10 @@ def _number(cell: str, mark: str) -> float | None:
         return float(re.sub(r'(?<=[\d.])[dD](?=[+-]?\d)', 'e', text))  # Fortran's exponent
     except ValueError:
         match = _TIME.fullmatch(cell.strip())
+    if not match:
+        return None
     try:
-        return match and 1e-9 * float(np.datetime64(
-            f'{match[1] or "1970-01-01"}T{match[2][:8]}.{match[2][9:] or 0}', 'ns').astype(np.int64))
+        day, time = match[1] or '1970-01-01', f'{match[2][:8]}.{match[2][9:] or 0}'
+        return 1e-9 * float(np.datetime64(f'{day}T{time}', 'ns').astype(np.int64))
     except ValueError:  # 25:00
         return None

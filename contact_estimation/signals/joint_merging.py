@@ -7,7 +7,7 @@ from collections import deque
 from math import pi
 from typing import Sequence
 
-from .stream_faults import BEFORE_ANY
+from .stamp_screen import BEFORE_ANY
 
 _MOST_KEPT = 10_000  # of a source while another is silent
 

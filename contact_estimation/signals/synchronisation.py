@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_sample import AxesSample, ContactSample
-from .stream_faults import BEFORE_ANY, StampScreen
+from .stamp_screen import BEFORE_ANY, StampScreen
 from ..parameters import parameter, ParameterGroup
 
 MakeSample = Callable[[int, Sequence[float], Sequence[float]], Any]

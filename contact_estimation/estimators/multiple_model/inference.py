@@ -3,7 +3,7 @@
 
 """Inference of a wall: laws, surfaces and changes, weighed by their evidence in blocks."""
 
-from math import exp, hypot, inf, nan, sqrt
+from math import hypot, inf, nan, sqrt
 from typing import Iterator
 
 import numpy as np
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 
 from .blocks import Blocks
 from .constants import (
-    ANYWHERE_M, COMMIT, DAMPING_FLOOR, DAMPING_S, DAMPING_STD_S, EXACT_SURFACE_M, LEAST_STIFFNESS,
-    NEAR_DEPTH, SHIFT, STIFFNESS_FLOOR, UNLIKELY)
+    ANYWHERE_M, COMMIT, EXACT_SURFACE_M, LEAST_STIFFNESS, NEAR_DEPTH, SHIFT, UNLIKELY)
 from .contact import CONTACT, ContactFilter
-from .evidence import (
-    Hypotheses, hypotheses, joined, judge_in_parts, Judged, mixture, negativity, Scene, walls)
+from .evidence import hypotheses, judge_in_parts, Judged, mixture, negativity, Scene, walls
+from .knowledge import Knowledge
 from .laws import (
-    ACCELERATION, ACCELERATION_NOISE, Array, CURVED, DEEP, EXPONENT, FORCE, IMPARTIAL, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, POWERS, RATE)
+    ACCELERATION, ACCELERATION_NOISE, Array, CURVED, EXPONENT, FORCE, IMPARTIAL, Ints,
+    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE)
+from .report import Report
 from .residuals import Residuals
-from .runs import Change, decided, LEAST_BLOCKS, Rhythm, SETTLED, SURPRISE, Touch
-from .slow_states import Knowledge, LagPosterior, OUTSIDE, OUTSIDE_M, SURE
+from .rhythm import Rhythm, SETTLED, SURPRISE
+from .runs import decided, LEAST_BLOCKS, Touch
+from .slow_states import LagPosterior
 from .touch import before_release, surface_of_touch
 from .wall_statistics import Replaced, WallStatistics
 
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
-_SLOWEST_S = DAMPING_S + 2.0 * DAMPING_STD_S  # B_e / K_e
 _START = 3  # blocks in which the scale of the priors is not known
 
 
@@ -42,7 +42,6 @@ class WallInference:
     location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
     lag: prior of the lag of the force sensor [s]
     blocks, contact: the samples, and the noise of the force
-    known: what is known of the wall
     residuals: what the best law leaves of the force
     changes: how often the wall has become another
     inertia: known mass that moves with the tool, whose force the samples contain [kg]
@@ -55,19 +54,16 @@ class WallInference:
         self._blocks, self._contact = blocks, contact
         self.lag, self.rhythm, self.inertia = LagPosterior(*lag), Rhythm(followed=False), 0.0
         std = max(location_std, EXACT_SURFACE_M)
-        self.known = Knowledge(nan, nan, nan, nan, location,
-                               std if location == location else ANYWHERE_M, nan,
-                               tuple(np.exp(LOG_PRIOR).tolist()), nan)
+        self._report = Report(Knowledge(
+            nan, nan, nan, nan, location, std if location == location else ANYWHERE_M, nan,
+            tuple(np.exp(LOG_PRIOR).tolist()), nan))
         self._sums = WallStatistics(location, std)
-        self.residuals = Residuals(blocks, contact)
-        self.changes = 0
+        self.residuals, self.changes = Residuals(blocks, contact), 0
         self._touched: Touch | None = None
         self._outward = 0  # blocks in a row in which the tool moves out of the wall
         # The walls before the first change since the touch, and before that of an outward motion
         # to the end, each with the number of blocks then.
         self._replaced: list[tuple[int, Replaced]] = []
-        self._reported = nan  # depth of the last K_e [m]
-        self._curved: tuple[float, ...] = 0.0, 0.0  # relative variances if it may be curved
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
         # Log odds of each law as last judged before something seems to have changed.
@@ -79,6 +75,11 @@ class WallInference:
         self._sums.look_near(surface, max(std, EXACT_SURFACE_M), self._unfelt, False)
         if not self.rhythm.blocks:
             self._sums.x0 = surface
+
+    @property
+    def known(self) -> Knowledge:
+        """Return what is known of the wall."""
+        return self._report.known
 
     @property
     def scene(self) -> Scene:
@@ -111,16 +112,14 @@ class WallInference:
         """
         self.rhythm.touch()
         self._level, self._replaced, self._sums.same = self._contact.level, [], None
-        known = self.known
-        noise = self._blocks.noise[0]
+        known, unfelt, noise = self.known, self._unfelt, self._blocks.noise[0]
         late = rate * hypot(*self.lag.lag)
         error = EXACT_SURFACE_M + hypot(sqrt(noise) if noise == noise else 0.0, late)
-        again = known.valid and not self._was_free_at(onset, known.stiffness)
+        again = known.valid and not known.was_free_at(onset, known.stiffness, unfelt)
         self._touched = Touch(0.5 * (x + onset), 0.5 * abs(x - onset) + error, again)
-        outermost = known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
-        elsewhere = not x >= outermost or self._was_free_at(onset, LEAST_STIFFNESS) or (
-            known.valid and self._has_come_back(free_s, onset) and (
-                not again or self._is_far_from_curve(self._touched.place)))
+        elsewhere = not x >= known.outermost or known.was_free_at(onset, LEAST_STIFFNESS, unfelt)
+        elsewhere |= known.valid and known.force_left(onset, free_s) < unfelt and (
+            not again or self._is_far_from_curve(self._touched.place))
         other = bool(self.rhythm.blocks) and known.valid and elsewhere
         if other:
             self._begin_anew()
@@ -128,7 +127,7 @@ class WallInference:
             self._sums.x0 = onset  # powers of the depth are right near their reference only
             self._sums.look_near(*self._touched[:2], self._unfelt, not elsewhere)
             if elsewhere:
-                self.known = self.known._replace(
+                self._report.known = known._replace(
                     surface=onset, surface_std=ANYWHERE_M if other else self._touched.std)
 
     def _is_far_from_curve(self, place: float) -> bool:
@@ -138,19 +137,13 @@ class WallInference:
         late = unfelt ** (1.0 / EXPONENT[law])  # of the depth: a soft beginning
         return bool(CURVED[law]) and abs(place - sums.x0) > (NEAR_DEPTH + late) * sums.depth
 
-    def _has_come_back(self, free_s: float, onset: float) -> bool:
-        """Return whether a wall that the tool has left would be felt again at a place [s, m]."""
-        known = self.known
-        left = known.stiffness * (onset - known.surface) * exp(-free_s / _SLOWEST_S)
-        return left < self._unfelt
-
     def _begin_anew(self) -> None:
         """Forget a wall that is not the one that is touched, but which laws walls had so far."""
         self._sums, odds = WallStatistics(nan, ANYWHERE_M), self._sums.odds
         self._sums.odds = odds
         self.rhythm = Rhythm(self.rhythm.followed)
         self.residuals.best = self._of_laws = None
-        self.known = self.known._replace(stiffness_std=nan, damping_std=nan)
+        self._report.known = self.known._replace(stiffness_std=nan, damping_std=nan)
         self._excited_at, self._doubted, self._outward = -1, False, 0
         self.changes += 1
 
@@ -158,12 +151,6 @@ class WallInference:
     def _unfelt(self) -> float:
         """Return the force at a touch that CUSUM may not have seen [N]."""
         return 2.0 * SHIFT * sqrt(self._contact.variance)
-
-    def _was_free_at(self, onset: float, stiffness: float) -> bool:
-        """Return whether free flight went deeper into the wall as known than such a one lets."""
-        known = self.known
-        inside = onset - known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
-        return stiffness * inside > self._unfelt
 
     def parts_of(self, windows: int, later: int = 0, alarmed: bool = False) -> Iterator[None]:
         """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
@@ -188,7 +175,7 @@ class WallInference:
         if self._contact.state == CONTACT:
             blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
         if not due:
-            self._follow_depth()
+            self._report.follow_depth(self._sums)
         else:
             yield
             if self.rhythm.blocks <= _START:
@@ -201,18 +188,15 @@ class WallInference:
         """Add the rows of a short contact, about the surface that it shows."""
         smooth, contact, sums = self._blocks.smoothing, self._contact, self._sums
         rising = before_release(smooth, samples[0] - contact.level, samples[1], contact.variance)
+        yield
         if rising is None:
             return
         force, x = rising
-        yield
         found = surface_of_touch(
             smooth, force, x, smooth.hop / contact.variance, sums.gram, sums.x0,
             sums.scale, sums.places_without_touch)
-        if found is None:
-            return
         yield
-        surface, std = found
-        if std < _STRADDLES * sums.move_to(surface):
+        if found is not None and found[1] < _STRADDLES * sums.move_to(found[0]):
             phi = smooth.rows(force, x, np.full(len(x), nan), sums.x0, self._blocks.noise, True)
             self._add(phi, *self._weights(phi))
             yield
@@ -223,13 +207,14 @@ class WallInference:
 
     def zero_has_stepped(self, x: float) -> bool:
         """Return whether free flight at a place [m] has another force than before a contact."""
-        off = abs(self._contact.level - self._level)
         return bool(self._replaced) and x < self._replaced[0][1].edge and (
-            off > 2.0 * SHIFT * sqrt(self._contact.variance))
+            abs(self._contact.level - self._level) > self._unfelt)
 
     def leave(self) -> Iterator[None]:
         """End a contact: weigh its last data, and forget a change that only a release showed."""
-        yield from self.weigh_rest()
+        if self.rhythm.unjudged:
+            yield
+            yield from self._judge()
         yield from self.put_back(self.rhythm.blocks - self._outward)
 
     def put_back(self, since: int = 0) -> Iterator[None]:
@@ -246,12 +231,6 @@ class WallInference:
         yield from self._judge()
         self._sums.runs.begin()
 
-    def weigh_rest(self) -> Iterator[None]:
-        """Weigh hypotheses with the last data of a contact."""
-        if self.rhythm.unjudged:
-            yield
-            yield from self._judge()
-
     def _weights(self, phi: Array) -> tuple[Array, list[Array]]:
         """
         Return samples a row over its variance, with the wall as known.
@@ -259,7 +238,7 @@ class WallInference:
         Returns also what each of the laws that doubt rows divides that by.
         """
         sums, smooth, best = self._sums, self._blocks.smoothing, self.residuals.best
-        own = [one.variance(phi, self._blocks.period_s, smooth.noise) for one in sums.doubting]
+        own = [one.variance(phi, smooth.noise) for one in sums.doubting]
         unknown = np.square(self.inertia * phi[ACCELERATION_NOISE]) / smooth.noise
         for k, one in enumerate(sums.doubting):
             if best is not None and one.law == best[0][0]:  # then all doubt them
@@ -284,20 +263,8 @@ class WallInference:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene, sums = self.scene, self._sums
         self.rhythm.judged()
-        what = hypotheses(np.arange(_LAWS), sums.surfaces, sums.scale, scene.depth)
+        what, grams, of_law = sums.posed(scene)
         moves: NDArray[np.bool_] = what.law >= MOVING
-        grams = np.repeat(sums.gram[None], len(moves), axis=0)
-        of_law = sums.odds[what.law]
-        for one in sums.walking:
-            own = what.law == one.law
-            grams[own] = one.gram
-            far = np.hypot(what.std[own], one.walked)
-            of_law[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
-            what.std[own] = far
-        for other in sums.doubting:
-            own = what.law == other.law
-            grams[own] = other.gram
-            of_law[own] += other.gained
         judged = yield from judge_in_parts(grams, scene, what)
         yield
         prior = sums.place_prior
@@ -335,9 +302,15 @@ class WallInference:
         top = int(np.argmax(odds))
         self.residuals.best = what.law[top:top + 1], judged.theta[top], scene
         yield
-        of_same = None if sums.same is None else sums.judge_same(
-            scene, float(odds[~moves].max()))
-        self._report_knowledge(weights, judged, what, change, law, scene, of_same)
+        others = []
+        if change is not None:
+            others.append((change.shares * weights[~moves].sum(), change.judged, law))
+        if sums.same is not None:
+            others.append(sums.judge_same(scene, float(odds[~moves].max())))
+        self._report.publish(
+            weights, judged, what.law, scene, sums, self.residuals, others)
+        if self.known.valid:
+            sums.rescale(self.known.stiffness, self.known.damping, _SOFTER * sums.scale)
         if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
@@ -363,62 +336,6 @@ class WallInference:
         if of_law[KELVIN_VOIGT].sum() > 0.5:
             k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
             self.lag.learn(judged.theta[k], judged.P[k])
-
-    def _report_knowledge(
-        self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
-        law: int, scene: Scene, of_same: tuple[float, Judged, int] | None,
-    ) -> None:
-        """Publish the mixture of all hypotheses."""
-        of_law = weights.reshape(_LAWS, -1).sum(1)
-        found = every = walls(judged, what.law, scene, ANYWHERE_M)
-        # Walls are seldom curved, but where one may be, its band holds what it would be then.
-        impartial = weights * IMPARTIAL[what.law]
-        if change is not None:
-            changed = np.append(change.odds, 0.0)
-            share = np.exp(changed - np.logaddexp.reduce(changed))[:-1]
-            share *= 1.0 - of_law[MOVING:].sum()
-            since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
-            weights, found = joined(weights, found, share, since)
-        if of_same is not None:
-            same, kept, law = of_same
-            weights, found = joined(weights, found, np.array([same]), walls(
-                kept, np.array([law]), scene, ANYWHERE_M))
-        (K, B, delta), spreads = mixture(weights, found)
-        (K_else, B_else, _), others = mixture(impartial, every)
-        self._curved = tuple(
-            max(other + (there - here) ** 2 - own, 0.0) / max(here * here, 1e-18)
-            for here, there, own, other in ((K, K_else, spreads[0], others[0]),
-                                            (B, B_else, spreads[1], others[1])))
-        mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
-        K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
-        surface, surface_std = self.known.surface, ANYWHERE_M
-        if K_std < SURE * K:  # else nothing is found of it
-            surface, surface_std = scene.x0 + delta, sqrt(spreads[2]) + 2e-6
-        self._reported = scene.depth
-        self.known = Knowledge(
-            K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
-            float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            self.residuals.fit, self._varies(of_law))
-        if self.known.valid:
-            self._sums.rescale(K, B, _SOFTER * self._sums.scale)
-
-    def _varies(self, of_law: Array) -> tuple[float, float]:
-        """Return by how much more K_e and B_e deviate; see `Knowledge.varies`."""
-        scatter = POWERS**2 @ of_law * (self._sums.scatter / self._sums.depth**2)
-        K, B = np.sqrt(scatter + self._curved).tolist()
-        return K, B
-
-    def _follow_depth(self) -> None:
-        """Publish K_e and B_e of curved laws at the depth of now."""
-        known, of_law = self.known, np.array(self.known.laws)
-        if not known.valid or of_law[CURVED | DEEP].sum() < UNLIKELY:
-            return
-        K, B = ((self._sums.depth / self._reported) ** POWERS @ of_law).tolist()
-        self._reported = self._sums.depth
-        self.known = known._replace(
-            stiffness=K * known.stiffness, damping=B * known.damping,
-            stiffness_std=K * known.stiffness_std, damping_std=B * known.damping_std,
-            varies=self._varies(of_law))
 
     def _follow_surface(self, weights: Array, judged: Judged, laws: Ints, scene: Scene) -> None:
         """Move the reference of the columns to the surface: of curved laws where one may be."""

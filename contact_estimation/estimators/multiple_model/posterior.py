@@ -12,8 +12,8 @@ import numpy as np
 from .blocks import Blocks, FIRST
 from .contact import CONTACT, ContactFilter, FREE
 from .inference import WallInference
+from .knowledge import Knowledge
 from .laws import Array
-from .slow_states import Knowledge, OUTSIDE, OUTSIDE_M
 
 
 GREATEST = 1e5
@@ -150,7 +150,7 @@ class WallPosterior:
         contact.take((dt,), (felt_force,), (felt_x,), *self.wall.known[4:6])
         if contact.state != before:
             self._change(t if felt is None else nan, felt_x, before)
-        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self._outermost)
+        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self.known.outermost)
         return contact.state
 
     def run(self, t: Array, force: Array, x: Array, v: Array) -> Iterator[tuple[int, int]]:
@@ -169,7 +169,7 @@ class WallPosterior:
                 done += 1
                 continue
             end = min(end, done + self._uneventful(*ahead.part(done, end)[1:]))
-            before, outermost = contact.state, self._outermost
+            before, outermost = contact.state, self.known.outermost
             last = done - 1 + contact.take(*ahead.part(done, end), *self.wall.known[4:6])
             if last > done:
                 if before == CONTACT:
@@ -181,7 +181,7 @@ class WallPosterior:
             dt = blocks.step(at, sample[1])
             if contact.state != before:
                 self._change(at, sample[1], before)
-            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
+            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self.known.outermost)
             yield done, contact.state
 
     def _uneventful(self, forces: list[float], places: list[float]) -> int:
@@ -197,12 +197,6 @@ class WallPosterior:
                                               x[end - short:end]):
                     return end - begun
         return count
-
-    @property
-    def _outermost(self) -> float:
-        """Return the position outside of which no force is that of the wall [m]."""
-        known = self.wall.known
-        return known.surface - OUTSIDE * known.surface_std - OUTSIDE_M
 
     def _change(self, t: float, x: float, before: int) -> None:
         """Begin or end a contact; at NaN if a short one is not to be used."""

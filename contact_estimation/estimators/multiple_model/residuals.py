@@ -12,9 +12,9 @@ from .blocks import Blocks
 from .constants import JITTER_S, MODEL_ERROR, MODEL_ERROR_S
 from .contact import ContactFilter
 from .evidence import Scene
+from .knowledge import Knowledge
 from .laws import (
     Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, Ints, POWERS, scales, UNKNOWNS)
-from .slow_states import Knowledge
 
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
 _OF_MEDIAN = 1.57  # its variance over that of a mean: pi / 2
@@ -41,6 +41,12 @@ class Residuals:
     def fit(self) -> float:
         """Rms of the residual over that of its errors, in the last 2 s of contact; NaN before."""
         return sqrt(self._mean_square)
+
+    @property
+    def doubt(self) -> float:
+        """Factor of all deviations: what no law explains lasts like the usual error of one."""
+        excess = max(0.0, self._mean_square - 1.0)  # 0 where it is NaN
+        return sqrt(1.0 + excess * MODEL_ERROR_S / self._blocks.period_s)
 
     def begin_block(self) -> None:
         """Let alarms be over the noise as it is now."""

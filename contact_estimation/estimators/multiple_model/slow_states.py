@@ -1,56 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What changes slowly: knowledge of a wall, lag of the force sensor, walk of the surface."""
+"""What changes slowly: the lag of the force sensor, the walk of the surface."""
 
-from math import hypot, log, sqrt
-from typing import NamedTuple
+from math import log, sqrt
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, MODEL_ERROR_S, POLES_STD, TWO_POLES, WALK
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
 from .laws import (
     ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, LOG_PRIOR, MASS,
     MOVING, ONE, SIGN)
-
-
-SURE = 0.3
-"""Relative standard deviation of K_e above which there is no estimate."""
-
-OUTSIDE, OUTSIDE_M = 4.0, 5e-4
-"""Distance from a surface where no force is that of the wall [deviations of the surface, m]."""
-
-
-class Knowledge(NamedTuple):
-    """What is known of the wall."""
-
-    # stiffness, damping, stiffness_std, damping_std: K_e [N/m], B_e [N s/m]; NaN before the first
-    # contact
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    # surface, surface_std: x_e [m]; NaN before it is known
-    surface: float
-    surface_std: float
-    inertia: float  # mass that moves with the wall where that is the law, else NaN [kg]
-    laws: tuple[float, ...]  # probabilities, in the order of `laws.NAMES`
-    # rms of the residual over that of the noise, in the last 2 s of contact; NaN before
-    fit: float
-    # relative deviations of K_e and B_e beside these: over the depths of the last second, and of a
-    # wall that is as likely to be curved as not
-    varies: tuple[float, float] = (0.0, 0.0)
-
-    @property
-    def valid(self) -> bool:
-        """Whether the stiffness is known to a third of it."""
-        return self.stiffness_std < SURE * self.stiffness
-
-    @property
-    def published_stds(self) -> tuple[float, float]:
-        """Return the deviations of K_e and B_e to be published, with what they vary by."""
-        return (hypot(self.stiffness_std, self.varies[0] * self.stiffness),
-                hypot(self.damping_std, self.varies[1] * self.damping))
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
@@ -140,15 +100,15 @@ class DoubtedRows(OwnData):
         super().__init__(law)
         self.coefficient, self.size = {MASS: 2, FRICTION: 4}[law], 0.0
 
-    def variance(self, phi: Array, period_s: float, noise: float) -> Array:
+    def variance(self, phi: Array, noise: float) -> Array:
         """
         Return what the variance of samples has under this law alone, (N,) [N^2].
 
         phi (19, N): rows
-        period_s, noise: of the samples [s], and variance of S0 of white noise of variance 1
+        noise: variance of S0 of white noise of variance 1
         """
         if self.law == FRICTION:
-            share = (1.0 - np.square(phi[SIGN])) * (MODEL_ERROR_S / period_s)
+            share = 1.0 - np.square(phi[SIGN])
         else:
             share = np.square(phi[ACCELERATION_NOISE]) / noise
         return np.asarray(self.size * self.size * share)

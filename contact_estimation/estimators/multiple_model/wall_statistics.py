@@ -13,11 +13,12 @@ from .constants import (
     ANYWHERE_M, AS_TOLD, COMMIT, DAMPING_S, ELSEWHERE, EXACT_SURFACE_M, FADE_S, LEAST_STIFFNESS,
     NEAR, STIFFEST, STILL_THERE, UNLIKELY)
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
+from .knowledge import OUTSIDE
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, RATE,
+    Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE,
     shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
-from .slow_states import DoubtedRows, MovingWall, OUTSIDE, OwnData
+from .slow_states import DoubtedRows, MovingWall, OwnData
 
 _SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -217,6 +218,22 @@ class WallStatistics:
         K, B = found.theta[int(np.argmax(odds)), :2].tolist()
         self.rescale(K, B, LEAST_STIFFNESS, scene.lag[0])
 
+    def posed(self, scene: Scene) -> tuple[Hypotheses, Array, Array]:
+        """Return all laws, each with each surface, their Gram matrices, and their log odds."""
+        what = hypotheses(np.arange(len(NAMES)), self.surfaces, self.scale, scene.depth)
+        grams, odds = np.repeat(self.gram[None], len(what.law), axis=0), self.odds[what.law]
+        for one in self.walking:
+            own = what.law == one.law
+            grams[own] = one.gram
+            far = np.hypot(what.std[own], one.walked)
+            odds[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
+            what.std[own] = far
+        for other in self.doubting:
+            own = what.law == other.law
+            grams[own] = other.gram
+            odds[own] += other.gained
+        return what, grams, odds
+
     def excitation(self) -> tuple[float, float]:
         """
         Return relative standard deviations of K_e and B_e that recent data would leave alone.
@@ -292,12 +309,12 @@ class WallStatistics:
             self.same = SameWall(before, what, float(change.shift[k]),
                                  float(again[k] - change.odds[best]))
 
-    def judge_same(self, scene: Scene, evidence: float) -> tuple[float, Judged, int]:
+    def judge_same(self, scene: Scene, evidence: float) -> tuple[Array, Judged, int]:
         """
         Judge whether the zero has stepped instead of the wall; decide where that is certain.
 
         evidence: of the wall as it is since then
-        Returns share, judged, law: probability, coefficients, and index of the law
+        Returns share, judged, law: probability (1,), coefficients, and index of the law
         """
         same = self.same
         assert same is not None
@@ -307,7 +324,8 @@ class WallStatistics:
                 float(same.what.centre[0]), max(self.depth, float(same.what.std[0])), 1.0)])
         if not log(UNLIKELY) < same.odds < COMMIT:
             self.same = None
-        return 1.0 / (1.0 + exp(-max(same.odds, -50.0))), judged, int(same.what.law[0])
+        share = np.array([1.0 / (1.0 + exp(-max(same.odds, -50.0)))])
+        return share, judged, int(same.what.law[0])
 
     def put_back(self, before: Replaced) -> None:
         """Put the wall before a change back, since what has changed was the zero."""

@@ -24,8 +24,7 @@ _LEFT = 3.0  # variance that a lag leaves, over the noise's: 1.3 is seen, beside
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
 _OF_PERIOD = 0.5  # of the joint states
-_OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation but a mass
-_OVER_MASS = 30.0  # likelihood ratio over a mass
+_OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation
 _EXCITED = 8.0  # power of the motion over that of its noise
 
 _LONGEST_S = 0.1
@@ -55,35 +54,33 @@ class StampSkew(Check):
     stages = (lambda seen: _noise(seen), lambda seen: _averaged(seen), lambda seen: _nearest(seen))
 
     def judge(self, seen: Evidence) -> str | None:
-        """Search the lag in the last seconds of contact."""
-        skew, verdict = _remembered(seen)
-        if skew is None or skew.over_mass < _OVER_MASS:
-            return verdict
-        return (f'{_stamps(skew)}; a lag acts as a damping of -K tau; set '
-                f'synchronisation.offset to {_offset(skew, seen):+.3f}')
+        """
+        Search the lag in the last seconds of contact.
 
-
-class StampSkewOrMass(Check):
-    """No lag, and no mass moves with the wall."""
-
-    name = 'stamp_skew_or_mass'
-    message = ('the stamps of the wrench are 10 ms early against the joint states, or a mass of '
-               '1.2 kg moves with the wall; in the first case set synchronisation.offset to -0.01')
-    cause = 'One frequency of excitation cannot tell a lag of the motion from a mass.'
-    remedy = ('Touch down again or excite several frequencies; then see stamp_skew. For a mass '
-              'choose an estimator that estimates it.')
-    confirmations = 2
-
-    def judge(self, seen: Evidence) -> str | None:
-        """Search the lag in the last seconds of contact; name the likelier cause first."""
-        skew, verdict = _remembered(seen)
-        if skew is None or skew.over_mass >= _OVER_MASS:
-            return '' if skew else verdict
-        mass = f'a mass of {skew.mass:.2g} kg moves with the wall'
-        first, case = (mass, 'second') if skew.over_mass < 0.0 else (_stamps(skew), 'first')
-        second = mass if case == 'first' else _stamps(skew)
-        return (f'{first}, or {second}; in the {case} case set synchronisation.offset to '
-                f'{_offset(skew, seen):+.3f}')
+        Clocks do not part for one event of a contact, such as a release: after a contact has shown
+        no lag, windows that share no sample must show one.
+        """
+        skew = _skew_of(seen)
+        if skew is None:
+            return None
+        # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
+        sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet
+        limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
+        lag = skew.seconds
+        if abs(lag) <= limit and skew.sharpness > _SIGNIFICANT:
+            seen.memory['more_windows'] = BLOCKS
+            return ''
+        # A lag that many others would replace is none: it takes the place of what is not modelled.
+        if not (abs(lag) > limit and min(skew.gain, skew.sharpness) > _SIGNIFICANT
+                and skew.left < _LEFT and skew.over_physics > _OTHER_PHYSICS):
+            return None
+        seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
+        if more > 0:
+            return None
+        return (f'the stamps of the wrench are {1e3 * abs(lag):.2g} ms '
+                f'{"late" if lag > 0.0 else "early"} against the joint states; a lag acts as a '
+                'damping of -K tau; set synchronisation.offset to '
+                f'{seen.parameters.synchronisation.offset + lag:+.3f}')
 
 
 class _Skew(NamedTuple):
@@ -92,9 +89,7 @@ class _Skew(NamedTuple):
     seconds: float  # positive if the wrench comes late
     sharpness: float  # likelihood ratio over lags of 10 ms more and less
     gain: float = 0.0  # over no lag, N log(r_0 / r), chi-squared of one without a lag
-    over_mass: float = 0.0  # over a mass that moves with the wall
     over_physics: float = 0.0  # over the best other explanation
-    mass: float = 0.0  # [kg], at least 0
     left: float = 0.0  # variance that it leaves, over that of the noise
 
 
@@ -115,48 +110,6 @@ class _Means(NamedTuple):
         """Sum of squares that the white noise of y leaves beside any lag, less two deviations."""
         count = len(self.y)
         return max(self.white * max(count - 2.0 * (2.0 * count)**0.5, 0.1 * count), 1e-300)
-
-
-def _remembered(seen: Evidence) -> tuple[_Skew | None, str | None]:
-    """Return a clear skew, computed once for both checks, or None and what to say instead."""
-    instant, found = seen.memory.get('skew', (None, (None, None)))
-    if instant != seen.end_s:
-        found = _judged(_skew_of(seen), seen)
-        seen.memory['skew'] = seen.end_s, found
-    return found  # type: ignore[no-any-return]
-
-
-def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | None]:
-    """
-    Return the skew where it is clear, or None and what to say instead.
-
-    Clocks do not part for one event of a contact, such as a release: after a contact has shown no
-    lag, windows that share no sample must show one.
-    """
-    if skew is None:
-        return None, None
-    # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
-    sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
-    limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
-    if abs(skew.seconds) <= limit and skew.sharpness > _SIGNIFICANT:
-        seen.memory['more_windows'] = BLOCKS
-        return None, ''
-    # A lag that many others would replace is none: it takes the place of what is not modelled.
-    if not (abs(skew.seconds) > limit and min(skew.gain, skew.sharpness) > _SIGNIFICANT
-            and skew.left < _LEFT and skew.over_physics > _OTHER_PHYSICS):
-        return None, None
-    seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
-    return (skew if more <= 0 else None), None
-
-
-def _stamps(skew: _Skew) -> str:
-    when = 'late' if skew.seconds > 0.0 else 'early'
-    return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against the '
-            'joint states')
-
-
-def _offset(skew: _Skew, seen: Evidence) -> float:
-    return seen.parameters.synchronisation.offset + skew.seconds
 
 
 def _skew_of(seen: Evidence) -> _Skew | None:
@@ -185,11 +138,9 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     if abs(best) < _NO_LAG_S:
         return _Skew(0.0, sharpness)
     least = max(float(near.min()), means.least)
-    mass, with_mass = _mass(means, x, v)
     return _Skew(
         best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
-        ratio(with_mass, least), ratio(_residual_with_physics(means, x, v), least), mass,
-        least / (count * means.floor))
+        ratio(_residual_with_physics(means, x, v), least), least / (count * means.floor))
 
 
 def _noise(seen: Evidence) -> tuple[float, ...]:
@@ -289,23 +240,15 @@ def _residuals(means: _Means, lags: Array) -> Array:
     return np.where(excited, np.maximum(left, 1e-3 * means.least), np.inf)
 
 
-def _mass(means: _Means, x: Array, v: Array) -> tuple[float, float]:
-    """Return mass [kg] and sum of squares of K x + B v + M a + c with M >= 0 and no lag."""
-    theta, left = _solve(means, [x, v, means.acceleration], means.variances)
-    if theta[2] >= 0.0:
-        return float(theta[2]), left
-    return 0.0, _solve(means, [x, v], means.variances[:2])[1]
-
-
 def _residual_with_physics(means: _Means, x: Array, v: Array) -> float:
     """Return the least sum of squares with one more term of other physics and no lag."""
     depth = x - x.min()
     fast = v / (np.abs(v) + 0.05 * np.sqrt(np.mean(v**2)) + 1e-12)
-    noise = [0.0, 4.0 * float(np.mean(depth**2)) * means.variances[0],
-             float(np.mean(depth**2)) * means.variances[1]]
-    return min(
-        _solve(means, [x, v, term], np.append(means.variances[:2], own))[1]
-        for term, own in zip((fast, depth**2, depth * v), noise))
+    deep = float(np.mean(depth**2))
+    noise = means.variances[2], 0.0, 4.0 * deep * means.variances[0], deep * means.variances[1]
+    fits = [_solve(means, [x, v, term], np.append(means.variances[:2], own)) for term, own in zip(
+        (means.acceleration, fast, depth**2, depth * v), noise)]
+    return min(left for k, (theta, left) in enumerate(fits) if k or theta[2] >= 0.0)
 
 
 def _solve(means: _Means, columns: list[Array], variances: Array) -> tuple[Array, float]:

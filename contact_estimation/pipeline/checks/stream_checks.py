@@ -13,8 +13,6 @@ from ...signals.stream_faults import Bursts, CLEAR, Courses, courses_of, zero_st
 
 _COARSEST_M = 1e-4  # resolution of a robot's encoder: noise toggles between two neighbours
 _KEPT = 400  # samples of free flight before the present window
-_FEWEST_PER_CUTOFF = 2.0  # sampling theorem
-_SLOWER = 0.9  # than the wrench
 _RATE_OFF = 0.1
 
 
@@ -113,31 +111,6 @@ def _when(step: ZeroStep, period: float) -> str:
     if step.end - step.begin < 2.5 * period:
         return f'at {step.end:.3f} s'
     return f'between {step.begin:.2f} and {step.end:.2f} s'
-
-
-class JointRate(Check):
-    """Joint states come fast enough for the filter."""
-
-    name = 'joint_rate'
-    message = ('joint states come at 60 Hz, but the filter passes 50 Hz; publish them at 100 Hz '
-               'or more, or lower conditioning.cutoff_frequency to 15')
-    cause = ('Between joint states the position is interpolated by a straight line, which the '
-             'filter passes on as a wrong motion.')
-    remedy = 'Publish joint states faster, or lower `conditioning.cutoff_frequency`.'
-
-    def judge(self, seen: Evidence) -> str | None:
-        """Compare the rate with the cut-off frequency."""
-        rate, cutoff = seen.joint_rate, seen.parameters.conditioning.cutoff_frequency
-        if rate != rate:
-            return None
-        if not seen.state.has_rows:
-            return ''  # its kernel follows the rate
-        needed = _FEWEST_PER_CUTOFF * cutoff
-        if cutoff == 0.0 or rate >= needed or rate * seen.state.period_s >= _SLOWER:
-            return ''
-        return (f'joint states come at {rate:.3g} Hz, but the filter passes {cutoff:g} Hz; '
-                f'publish them at {needed:.3g} Hz or more, or lower '
-                f'conditioning.cutoff_frequency to {0.25 * rate:.2g}')
 
 
 class SampleRate(Check):
