@@ -7,12 +7,10 @@ from functools import lru_cache
 from math import isfinite, nan
 
 from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.estimators.multiple_model import CONTACT
 from contact_estimation.parameters import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.compensation import Compensation
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
-from contact_estimation.pipeline.first_touch import FirstTouch
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import run_open_loop
@@ -131,10 +129,3 @@ def test_irregular_stamps_make_no_force_of_the_noise_of_positions() -> None:
                 usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
                 assert max(usable, default=0.0) < bound, (steps_ns, name)
                 assert max(abs(now.pressing) for now in found) < bound + 10.0, (steps_ns, name)
-
-
-def test_two_samples_a_second_show_the_surface_by_the_second() -> None:
-    touch = FirstTouch(lambda surface, count: [0.0] * count)
-    assert touch.take(CONTACT, 0.001, nan, 5.0, 0.0, 0.5, 0.1) is None
-    found = touch.take(CONTACT, 0.002, nan, 10.0, 0.0, 0.5, 0.1)
-    assert found is not None and found[0] == pytest.approx(0.0, abs=1e-5) and isfinite(found[1])
