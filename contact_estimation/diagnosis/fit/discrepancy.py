@@ -120,7 +120,8 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> sparse.cs
     steps = steps[(size[steps] > least) & (variance[steps] > LITTLE * LEAST_VARIANCE)]
     # Two pulses span the possible courses of a step within its sample.
     first, jump = np.stack((steps, steps + 1), axis=1).ravel(), np.repeat(jumps[steps], 2)
-    response = response[:np.flatnonzero(np.abs(response) > _FADED * np.ptp(response))[-1] + 1]
+    lasting = np.flatnonzero(np.abs(response) > _FADED * np.ptp(response))
+    response = response[:np.max(lasting, initial=-1) + 1]
     rows = first[:, np.newaxis] + np.arange(len(response))
     k, _ = there = np.nonzero(rows < len(o.t))
     moved = sparse.csc_array(

@@ -81,7 +81,7 @@ def check_signals(signals: Signals) -> None:
             raise RecordingError(
                 f'{name} must have at least {LEAST_SAMPLES} different stamps, got {len(stamps)}; '
                 'stamp every header, record longer or at a higher rate, or take the time of '
-                'reception with --stamps received')
+                'reception with --stamps received; give a table a rate with --columns t=500Hz')
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),
         ('reference_trajectory', signals.reference),
