@@ -27,7 +27,6 @@ from contact_estimation.physics.joint_effects import ONE_DELAY
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw
-from contact_estimation.studies.blind_trials.arm_trials import scored
 import numpy as np
 import pytest
 
@@ -337,15 +336,3 @@ def test_the_page_shows_the_arm_and_every_name() -> None:
     page = as_html(found, 'run')
     assert page.count('data:image/png') == 3
     assert all(one.name.replace('_', ' ') in page for one in found.effects)
-
-
-@pytest.mark.parametrize('named, outcome', [
-    ([('payload', 'load', ['joint_3'])], 'right'), ([('base_tilt', 'robot', [])], 'wrong'),
-    ([], 'silent'), ([('coulomb_friction', 'friction', ['joint_1'])], 'silent')])
-def test_trials_count_the_first_name_beyond_friction(named: list[Any], outcome: str) -> None:
-    truth = {'kind': 'payload', 'arm': 'planar_3r',
-             'effects': [{'name': 'payload', 'family': 'load', 'place': None}]}
-    report = {'verdict': 'physics_missing', 'joints': [], 'effects': [
-        {'name': name, 'family': family, 'joints': joints, 'place': ''}
-        for name, family, joints in named]}
-    assert scored(truth, {'report': report, 'error': ''}, 'world')['outcome'] == outcome

@@ -5,6 +5,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 from arm_worlds import arm_recording, motion, URDF
 from contact_estimation.commands import diagnose
@@ -13,7 +14,7 @@ from contact_estimation.plant.arm_models import TIP
 from contact_estimation.plant.arm_simulation import ArmLaw, SimulatedArm
 from contact_estimation.plant.plant_parameters import read_model
 from contact_estimation.studies.blind_trials import command as blind_trials
-from contact_estimation.studies.blind_trials.arm_trials import write_arm_recording
+from contact_estimation.studies.blind_trials.arm_trials import scored, write_arm_recording
 import numpy as np
 import pytest
 from run_commands import Command
@@ -155,3 +156,15 @@ def test_a_study_of_arms_scores_blind_diagnoses(
     assert ended.out.splitlines()[0].split() == [
         'concealed', 'worlds', 'right', 'wrong', 'silent', 'accused']
     assert json.loads((tmp_path / 'arms.json').read_text())[0]['outcome'] == 'right'
+
+
+@pytest.mark.parametrize('named, outcome', [
+    ([('payload', 'load', ['joint_3'])], 'right'), ([('base_tilt', 'robot', [])], 'wrong'),
+    ([], 'silent'), ([('coulomb_friction', 'friction', ['joint_1'])], 'silent')])
+def test_trials_count_the_first_name_beyond_friction(named: list[Any], outcome: str) -> None:
+    truth = {'kind': 'payload', 'arm': 'planar_3r',
+             'effects': [{'name': 'payload', 'family': 'load', 'place': None}]}
+    report = {'verdict': 'physics_missing', 'joints': [], 'effects': [
+        {'name': name, 'family': family, 'joints': joints, 'place': ''}
+        for name, family, joints in named]}
+    assert scored(truth, {'report': report, 'error': ''}, 'world')['outcome'] == outcome

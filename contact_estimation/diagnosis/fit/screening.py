@@ -214,10 +214,12 @@ class Screening:
         columns = differentiate_by(
             present.coordinates, present.steps, straight, here, most=present.ranges[1])
         basis = np.linalg.qr(columns)[0] if columns.shape[1] else np.zeros((len(here), 0))
-        anew = [name for name in names if EFFECTS[name].starts_anew]
-        left = self.scales._replace(waves=measure_waves(self.recordings[0], present))
+        starts, anew = self._starts, [name for name in names if EFFECTS[name].starts_anew]
+        if anew:
+            waves = measure_waves(self.recordings[0], present)
+            starts = starts + self._starts_of(anew, self.scales._replace(waves=waves))
         found = dict[str, list[Step]]()
-        for start in self._starts + self._starts_of(anew, left):
+        for start in starts:
             if start.name in names:
                 found.setdefault(start.name, []).append(
                     self._step(present, start, here, columns, basis))

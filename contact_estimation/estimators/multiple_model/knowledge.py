@@ -45,13 +45,17 @@ class Knowledge(NamedTuple):
         return self.stiffness_std < SURE * self.stiffness
 
     @property
+    def _margin(self) -> float:
+        return OUTSIDE * self.surface_std + _OUTSIDE_M
+
+    @property
     def outermost(self) -> float:
         """Return the position outside of which no force is that of the wall [m]."""
-        return self.surface - OUTSIDE * self.surface_std - _OUTSIDE_M
+        return self.surface - self._margin
 
     def was_free_at(self, x: float, stiffness: float, unfelt: float) -> bool:
         """Return whether a place [m] is deeper in a wall than a force [N] that is not felt."""
-        return stiffness * (x - self.surface - (self.surface - self.outermost)) > unfelt
+        return stiffness * (x - self.surface - self._margin) > unfelt
 
     def force_left(self, x: float, free_s: float) -> float:
         """Return the force at a place that a wall has which comes back for some time [m, s, N]."""
