@@ -16,7 +16,7 @@ from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
-from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZEROS
+from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZERO_KNOWN, ZEROS
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
@@ -37,7 +37,7 @@ CONCEALED = {
     'force_gain': ArmLaw('force_gain', [0.2], 0),
     'force_delay': ArmLaw('force_delay', [0.03]),
     ONE_DELAY: ArmLaw(ONE_DELAY, [0.04], 0),
-    'joint_spring': ArmLaw('joint_spring', [4.0], 1),
+    'joint_spring': ArmLaw('joint_spring', [4.0, 0.0], 1),
     'payload': ArmLaw('payload', BODY, 2),
     'base_tilt': ArmLaw('base_tilt', [0.08, 0.0]),
     'coupled_friction': ArmLaw('coupled_friction', [3.0, 0.5, 0.0], (1, 2, 1)),
@@ -122,7 +122,7 @@ def test_blocks_that_are_left_out_are_another_motion() -> None:
 
 
 def test_laws_that_lack_together_are_named_together() -> None:
-    concealed = [ArmLaw('joint_spring', [30.0], 1), ArmLaw('reflected_inertia', [1.5], 1)]
+    concealed = [ArmLaw('joint_spring', [30.0, 0.0], 1), ArmLaw('reflected_inertia', [1.5], 1)]
     found = diagnose_arm(arm_recording(concealed), URDF)
     beyond = {(one.name, one.term.place) for one in found.effects if one.family != 'friction'}
     assert beyond == {('joint_spring', 1), ('reflected_inertia', 1)}
@@ -198,7 +198,7 @@ def test_an_accumulator_is_named_and_no_unit_is_blamed() -> None:
 def test_a_heavy_tool_rotors_and_a_spring_are_named_together() -> None:
     tool = [3.0, 0.6, 0.0, 0.0, 0.03, 0.0, 0.15, 0.0, 0.0, 0.15]
     rotors = [ArmLaw('reflected_inertia', [I_r], j) for j, I_r in enumerate((1.5, 1.0, 0.15))]
-    laws = [ArmLaw('payload', tool, 2), ArmLaw('joint_spring', [60.0], 1), *rotors]
+    laws = [ArmLaw('payload', tool, 2), ArmLaw('joint_spring', [60.0, 0.0], 1), *rotors]
     found = diagnose_arm(arm_recording(laws, seed=2), URDF)
     beyond = {(one.name, one.term.place): one for one in found.effects if one.family != 'friction'}
     assert set(beyond) == {(law.effect, law.place) for law in laws}, as_text(found)
@@ -284,9 +284,9 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
     blocks = np.array_split(np.arange(len(piece.t)), len(gram.times))
     left_out = []
     for out in [*blocks, np.zeros(0, int)]:
-        A, b, errors = np.eye(size + 7), np.zeros(size + 7), []
+        A, b, errors = np.eye(size + 10), np.zeros(size + 10), []
         for j in range(3):
-            X = np.zeros((len(piece.t), size + 7))
+            X = np.zeros((len(piece.t), size + 10))
             X[:, :size - 2] = channels.regressor(piece, j) @ gram.directions
             tilt = Term('base_tilt')
             X[:, size - 2:size] = ZEROS[tilt] * piece.columns[tilt][j]
@@ -294,6 +294,7 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
             X[:, size + 3:size + 4] = piece.columns[model[3]][j] * gram.scales[model[3]]
             load = piece.tau[:, j] - piece.residual[:, j]
             X[:, size + 4 + j] = GAIN_KNOWN * load
+            X[:, size + 7 + j] = ZERO_KNOWN * gram.span[j]
             keep = piece.moving[:, j].copy()
             errors.append((X[out][keep[out]], piece.residual[out, j][keep[out]]))
             keep[out] = False

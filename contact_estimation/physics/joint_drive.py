@@ -17,8 +17,9 @@ _LIGHT = 1e-6  # [kg m^2]: descriptions have links without inertia
 _RESONANCE_HZ = 10.0  # the lowest of a drive that is built
 
 
-def _from_middle(motion: JointMotion, j: Any) -> Array:
-    return motion.q[:, j] - motion.middle[j]
+def _powers(motion: JointMotion, j: Any, most: int) -> list[Array]:
+    d = motion.q[:, j] - motion.middle[j]
+    return [d, np.ones_like(d), *(d**k for k in range(2, most + 1))]
 
 
 def _lagging(motion: JointMotion, j: int, shift: Array) -> dict[int, Array]:
@@ -84,19 +85,21 @@ DRIVE = (
     JointEffect(
         'force_delay', 'timing', 'tau_j(t) = load_j(t - delay)', (('delay', 's'),), _delayed,
         typical=_delay),
-    # A cable, a hose or a spring; K q_0 is a zero of the torque.
+    # A cable, a hose or a spring; slack where the torque is 0.
     JointEffect(
-        'joint_spring', 'elastic_law', 'tau += K (q - q_0)', (('K', 'N m/rad'),),
-        lambda motion, j, _: (_from_middle(motion, j),), possible=positive),
+        'joint_spring', 'elastic_law', 'tau += K d + tau_m, d = q - q_m, q_m the mean position',
+        (('K', 'N m/rad'), ('tau_m', 'N m')), lambda motion, j, _: _powers(motion, j, 1),
+        possible=lambda theta: bool(theta[0] >= 0.0)),
     # A counterweight, or a spring across a joint.
     JointEffect(
         'counterbalance', 'elastic_law', 'tau += A sin(q) + B cos(q)',
         (('A', 'N m'), ('B', 'N m')),
         lambda motion, j, _: (np.sin(motion.q[:, j]), np.cos(motion.q[:, j]))),
     JointEffect(
-        'polynomial_stiffness', 'elastic_law', 'tau += K d + K_2 d^2 + K_3 d^3, d = q - q_0',
-        (('K', 'N m/rad'), ('K_2', 'N m/rad^2'), ('K_3', 'N m/rad^3')), is_curve=True,
-        law=lambda motion, j, _: [_from_middle(motion, j) ** k for k in (1, 2, 3)]),
+        'polynomial_stiffness', 'elastic_law',
+        'tau += K d + tau_m + K_2 d^2 + K_3 d^3, d = q - q_m',
+        (('K', 'N m/rad'), ('tau_m', 'N m'), ('K_2', 'N m/rad^2'), ('K_3', 'N m/rad^3')),
+        is_curve=True, law=lambda motion, j, _: _powers(motion, j, 3)),
     # To first order in the compliance, the motor's inertia being `reflected_inertia`: Spong, J.
     # Dynamic Systems, Measurement, and Control 109(4), 1987.
     JointEffect(

@@ -232,11 +232,11 @@ class Channels:
                 {j: 0.0 * column for j, column in columns.items()}
                 for term, columns in plain.items()}
 
-    def predicted(self, piece: Piece, j: int, fitted: 'Fitted', zeros: bool = True) -> Array:
+    def predicted(self, piece: Piece, j: int, fitted: 'Fitted') -> Array:
         """Return what a fitted model adds to RNEA along a piece, shape (M,) [N m]."""
         torque = self.regressor(piece, j) @ fitted.calibration
         for term, theta in (*fitted.zeros.items(), *fitted.theta.items()):
-            if j in piece.columns[term] and (zeros or term.effect != 'force_bias'):
+            if j in piece.columns[term]:
                 torque = torque + piece.columns[term][j] @ theta
         return np.asarray(torque)
 

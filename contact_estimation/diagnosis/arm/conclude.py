@@ -25,10 +25,7 @@ from ...physics.joint_effects import JOINT_EFFECTS
 
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
-_WORTH_ZERO = 0.02  # the same of a zero, which every torque has
-_OF_RATED = 0.01  # of a joint's effort limit, which sizes its sensor: a zero beyond its datasheet
-_OF_RANGE = 0.5  # of the range of its torque: a zero that hides what the joint carries
-_CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a zero, and of a value of any law
+_CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a lack of mass, and of a value of any law
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
 _LEAST_TOOL_KG = 0.1
@@ -99,7 +96,6 @@ def _concluded(
     channels = space.gram.channels
     names = ArmNames(space, compared, named)
     effects = [described(names, term, name) for term, name in _worth(names, named)]
-    effects += [described(names, term, None) for term in _zeros(names)]
     # A simulator may have a law of the same kind at the same place, or a richer one.
     effects = [one for one in effects if not any(
         group_of(one.term)[:2] == group_of(other)[:2] and JOINT_EFFECTS[one.term.effect].laws
@@ -143,22 +139,6 @@ def _worth(names: ArmNames, named: Named) -> list[tuple[Term, Name]]:
         size = max(names.sizes(term).max(), names.removed(term).max())
         if size >= _WORTH or size >= _WORTH_CERTAIN and names.gain(term) >= _BEYOND_DOUBT:
             found.append((term, one))
-    return found
-
-
-def _zeros(names: ArmNames) -> list[Term]:
-    """Return the zeros of torques that are more than a zero usually is, and no spring's."""
-    found, gram = [], names.space.gram
-    arm = gram.channels.arm
-    sprung = {term.place for term in names.model
-              if JOINT_EFFECTS[term.effect].family == 'elastic_law'}
-    for term in sorted(term for term in names.space.zeros if term.place not in sprung):
-        value, std = names.theta[term][0], names.stds[term][0]
-        rated = arm.limits['effort'][term.place]
-        span = gram.span[gram.joints.index(term.place)]
-        large = not np.isfinite(rated) or abs(value) > min(_OF_RATED * rated, _OF_RANGE * span)
-        if large and abs(value) > _CERTAIN * std and names.sizes(term).max() >= _WORTH_ZERO:
-            found.append(term)
     return found
 
 
@@ -237,7 +217,7 @@ def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:
         tau, nominal, moving = (np.concatenate([getattr(one, name)[:, j] for one in other.pieces])
                                 for name in ('tau', 'residual', 'moving'))
         left = nominal - np.concatenate(
-            [channels.predicted(one, j, diagnosis.fitted, zeros=False) for one in other.pieces])
+            [channels.predicted(one, j, diagnosis.fitted) for one in other.pieces])
         for share, error, rows in zip(
                 shares, (nominal, left, left), (moving, moving, np.ones_like(moving))):
             error = error[rows] - (0.0 if error is nominal else error[rows].mean())

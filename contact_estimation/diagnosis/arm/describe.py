@@ -103,10 +103,6 @@ def described(names: ArmNames, term: Term, name: Any) -> ArmEffect:
     if as_links:
         note = (f'it includes what the description lacks as {as_links[0]}: about this axis no '
                 'motion separates the two')
-    if effect.family == 'elastic_law':
-        zeros = ' and '.join(f'{names.theta[one][0]:.4g}' for one in sorted(names.space.zeros)
-                             if one.place == term.place)
-        note = f'the zero of the torque, {zeros} N m, tells where it is slack'
     parameters = {symbol: Value(float(value), float(std), unit)
                   for (symbol, unit), value, std in zip(effect.coefficients, theta, stds)}
     if effect.shape is not None:

@@ -27,11 +27,14 @@ from ...physics.carried_load import typical_inertial
 from ...physics.joint_effects import JOINT_EFFECTS
 
 CALIBRATION = Term('calibration')
-GAIN = Term('gain')  # of the torque of a joint, as far as it is no finding
+SENSOR = Term('sensor')  # gain and zeros of the torque of a joint, as far as they are no finding
 # Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
 GAIN_STD = 0.15
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
 GAIN_KNOWN = 0.02  # the same of the gain of a sensor that was calibrated
+# The same of its zero in each recording, in the range of the torque: so large are those of the
+# Panda, TX40, TIAGo and Airbot; of the UR10e a tenth.
+ZERO_KNOWN = 0.02
 # Standard deviations of zeros that are fitted and are no finding: the level of the base, by eye
 # [rad], and zero and gain of a wrench that was tared [N], [N m].
 ZEROS = {Term('base_tilt'): np.full(2, 0.01),
@@ -50,7 +53,7 @@ class Fitted(NamedTuple):
 
     theta: dict[Term, Array]  # coefficients
     calibration: Array  # (10 n,) change of the links' parameters that is no finding
-    zeros: dict[Term, Array]  # tilt, gains, and zero of the wrench, that are no finding
+    zeros: dict[Term, Array]  # tilt, gains and zeros of sensors, that are no finding
     # left_out, fitted (B, C): mean squares of the errors of each block and joint, of the fit on
     # the others and on all [N^2 m^2]
     left_out: Array
@@ -136,13 +139,13 @@ class Gram:
         sums = list[list[tuple[Array, Array, float, float]]]()
         for j in self.joints:
             mine = [term for term in self.order if j in pieces[0].columns[term]]
-            every = (CALIBRATION, GAIN, *mine)
+            every = (CALIBRATION, SENSOR, *mine)
             self.at.append({term: np.arange(one.start, one.stop)
                             for term, one in self.places(every)})
             wide = {id(one): np.concatenate(
                 [self.channels.regressor(one, j) @ self.directions,
                  *(std * one.columns[term][j] for term, std in self.zeros.items()),
-                 GAIN_KNOWN * one.columns[Term('force_gain', j)][j],
+                 *(std * one.columns[term][j] for term, std in self.sensor(j)),
                  *(one.columns[term][j] * self.scales[term] for term in mine),
                  np.zeros((len(one.t), 1))], axis=1)  # the last pads models of different sizes
                 for one in pieces}
@@ -193,8 +196,8 @@ class Gram:
         return self._known[key]
 
     def index(self, k: int, terms: Iterable[Term]) -> Array:
-        """Return the columns of a joint's gain and of terms."""
-        return np.concatenate([self.at[k][term] for term in (GAIN, *terms)])
+        """Return the columns of a joint's sensor and of terms."""
+        return np.concatenate([self.at[k][term] for term in (SENSOR, *terms)])
 
     def shared_index(self, k: int, shared: Sequence[Term]) -> tuple[Array, Array]:
         """Return the columns of shared terms in a joint, and their places in theta."""
@@ -207,7 +210,13 @@ class Gram:
         """Return the number of coefficients of a term."""
         if term == CALIBRATION:
             return int(self.directions.shape[1]) + sum(map(len, self.zeros.values()))
-        return 1 if term == GAIN else len(self.scales[term])
+        return 1 + len(self.channels.names) if term == SENSOR else len(self.scales[term])
+
+    def sensor(self, j: int) -> list[tuple[Term, float]]:
+        """Return gain and zeros of the torque of a joint, with their standard deviations."""
+        zero = ZERO_KNOWN * float(self.span[self.joints.index(j)])
+        return [(Term('force_gain', j), GAIN_KNOWN), *(
+            (Term('force_bias', j, file=file), zero) for file in range(len(self.channels.names)))]
 
     def split(self, model: Iterable[Term]) -> tuple[list[tuple[Term, ...]], tuple[Term, ...]]:
         """Return a model's laws of each joint alone, and those that joints share."""
@@ -251,22 +260,23 @@ class Gram:
             index = np.concatenate([ins, outs])
             T = np.concatenate([inner[k], both[:, places]], axis=1)
             left_out[:, k], fitted[:, k] = self.errors(k, index, T)
-            theta.update({term: inner[k][-1, 1:][at] for term, at in self.places(mine)})
+            theta.update({term: inner[k][-1, at] for term, at in self.places((SENSOR, *mine))
+                          if term != SENSOR})
         theta.update({term: both[-1, at] for term, at in self.places(shared)})
         spread: Array = np.asarray(np.linalg.inv(A), float)
         known = float(np.sum(1.0 - np.diag(spread)[self.width(CALIBRATION):]))
         lost = sum(cost_of_body(both[-1, at], spread[at, at], self.scales[term], self.links[term])
                    for term, at in self.places(shared) if term in self.links)
         calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
-        gains = np.array([one[-1][0] for one in inner])
+        sensors = np.array([one[-1, :self.width(SENSOR)] for one in inner])
         zeros = {term: self.zeros[term] * calibration[moved:][at]
                  for term, at in self.places(self.zeros)}
-        zeros.update({Term('force_gain', j): np.array([GAIN_KNOWN * gain])
-                      for j, gain in zip(self.joints, gains)})
+        zeros.update({term: np.array([std * value]) for j, values in zip(self.joints, sensors)
+                      for (term, std), value in zip(self.sensor(j), values)})
         return Fitted(
             {term: self.scales[term] * one for term, one in theta.items()},
             self.directions @ calibration[:moved], zeros, left_out, fitted, known,
-            0.5 * float(calibration @ calibration + gains @ gains) + lost)
+            0.5 * float(calibration @ calibration + np.sum(sensors**2)) + lost)
 
     def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
         """Return the covariance of the coefficients of each law of a model."""
@@ -279,7 +289,8 @@ class Gram:
             G = self.G_fit[k][-1][np.ix_(inner, inner)]
             own = np.asarray(np.linalg.inv(self.weights[k] * G + np.eye(len(inner))))
             own = own + U[-1] @ whole[np.ix_(places, places)] @ U[-1].T
-            found.update({term: own[1:, 1:][at, at] for term, at in self.places(mine)})
+            found.update({term: own[at, at] for term, at in self.places((SENSOR, *mine))
+                          if term != SENSOR})
         return {term: one * np.outer(self.scales[term], self.scales[term])
                 for term, one in found.items()}
 

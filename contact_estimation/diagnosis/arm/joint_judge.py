@@ -9,7 +9,7 @@ import numpy as np
 
 from .arm_recording import Array
 from .channels import Term
-from .gram import of_blocks, remainder
+from .gram import of_blocks, remainder, SENSOR
 from ...physics.joint_effects import JOINT_EFFECTS
 
 if TYPE_CHECKING:
@@ -57,9 +57,10 @@ class JointJudge:
         expected = share * left_out + (1.0 - share) * fitted
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
         likelihood = -0.5 * gram.counts[:, k] @ np.log(beyond / gram.floor[k] + 1.0)
-        score = likelihood - 0.5 * T[-1, :, 0] ** 2
-        values = ({term: gram.scales[term] * theta[at] for term, at in gram.places(terms)}
-                  for terms, theta in zip(every, T[-1, :, 1:]))
+        score = likelihood - 0.5 * np.sum(T[-1, :, :gram.width(SENSOR)] ** 2, axis=-1)
+        values = ({term: gram.scales[term] * theta[at] for term, at in
+                   gram.places((SENSOR, *terms)) if term != SENSOR}
+                  for terms, theta in zip(every, T[-1]))
         return {one: float(own) - sum(map(self._space.cost, one))
                 if all_possible(theta) else -np.inf
                 for one, own, theta in zip(models, score, values)}

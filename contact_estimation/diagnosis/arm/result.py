@@ -103,7 +103,7 @@ class ArmDiagnosis:
     holdouts: list[HeldOutArm] = field(default_factory=list)  # recordings that were not fitted
     next_experiment: str = ''  # recommendation; '' if none
     channels: Channels | None = None  # what was fitted; None if refused
-    # of the corrected model, with zeros and with laws too small for a name
+    # of the corrected model, with laws too small for a name
     model: frozenset[Term] = frozenset()
     fitted: Fitted | None = None  # its fit
     compared: Compared | None = None  # all models
@@ -117,7 +117,7 @@ class ArmDiagnosis:
         """Whether something must be put right before anything can be diagnosed."""
         return any(one.fatal for one in self.checks)
 
-    def predicted(self, piece: Any, j: int, zeros: bool = True) -> Array:
+    def predicted(self, piece: Any, j: int) -> Array:
         """Return what the corrected model adds to RNEA in joint j along a piece, shape (M,)."""
         assert self.channels is not None and self.fitted is not None
-        return self.channels.predicted(piece, j, self.fitted, zeros)
+        return self.channels.predicted(piece, j, self.fitted)

@@ -19,12 +19,13 @@ from ...physics.joint_effects import JOINT_EFFECTS, Place
 Model = frozenset[Term]
 
 MOST_LAWS = 60  # of a model: an arm of seven joints has some twenty
-_PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'zero')
+_PLAIN = ('dry_friction', 'viscous_friction', 'inertia', 'sensor_zero')
 """Groups that most joints have; others may be bent to hide a law that joints share."""
 
 _PAIR = ('dry_friction', 'viscous_friction')
 _WIDE = ('link', 'arm')  # places of laws that act in all joints
-_USUAL = ('coulomb_friction', 'viscous_friction', 'reflected_inertia', 'joint_spring')
+_USUAL = ('coulomb_friction', 'viscous_friction', 'reflected_inertia', 'joint_spring',
+          'force_bias')
 
 _TRIED, _STEPS, _ROUNDS = 4, 12, 3  # shared laws refined; steps in a joint; passes over joints
 _NEAR = 8.0  # nats below the best, up to which a law is compared in the place of another
@@ -37,18 +38,15 @@ def group_of(term: Term) -> tuple[str, Place, int]:
     """Return what a model has once at most: kind of law, place and file."""
     effect = JOINT_EFFECTS[term.effect]
     file = -1 if term.effect == 'payload' else term.file
-    zero = 'zero' if term.effect == 'force_bias' else effect.group or effect.family
     place = term.place[:2] if isinstance(term.place, tuple) else term.place
-    return zero, place, file
+    return effect.group or effect.family, place, file
 
 
 class ArmModels:
     """
     Models of an arm: its description with laws at their places.
 
-    Every model has the calibration of its links and a zero of torque of each joint and file.
-
-    zeros: those of the torques
+    Every model has the calibration of its links and of the sensors of its torques.
     """
 
     def __init__(
@@ -56,22 +54,21 @@ class ArmModels:
         constants: Constants = ARM,
     ) -> None:
         self.gram, self._progress, self.constants = gram, progress, constants
-        self.zeros = frozenset(one for one in gram.channels.terms if one.effect == 'force_bias')
-        every = [term for term in gram.channels.terms
-                 if term not in self.zeros and not _is_rotor(gram, term)]
+        every = [term for term in gram.channels.terms if not _is_rotor(gram, term)]
         self._shared = [term for term in every if term in gram.shared]
         self._shared_laws = frozenset(self._shared)
         self._local = {j: [term for term in every if term.place == j and term not in gram.shared]
                        for j in gram.joints}
-        self._usual = {j: {min(term for term in terms if term.effect == name) for name in _USUAL}
-                       for j, terms in self._local.items()}
+        self._usual = {j: {min(term for term in terms if (term.effect, term.file) == one)
+                           for one in {(term.effect, term.file) for term in terms}
+                           if one[0] in _USUAL} for j, terms in self._local.items()}
         counts: dict[str, set[Place]] = {}
         for term in every:
             counts.setdefault(term.effect, set()).add(term.place)
         self._places = {name: log(len(places)) for name, places in counts.items()}
         self._seen = dict[Model, Scored]()
         self._begin()
-        self._plain = self.zeros
+        self._plain = Model()
         for _ in range(2):
             self._plain = self._refined(self._plain)
             left_out = self._fitted(self._plain).found[1].left_out
@@ -82,7 +79,7 @@ class ArmModels:
         """Forget all fits, which had other weights of the joints."""
         self._seen.clear()
         self._zero = Evidence(
-            self._fitted(self.zeros), np.zeros(len(self.gram.joints)), self.gram.floor,
+            self._fitted(Model()), np.zeros(len(self.gram.joints)), self.gram.floor,
             self.constants, white=False)
 
     def evidence(self) -> Evidence:
@@ -107,7 +104,7 @@ class ArmModels:
 
     def as_scored(self, model: Model, found: Fitted) -> Scored:
         """Return a fit with its prior: one more unit is the misfit that every torque has."""
-        laws = sorted(model - self.zeros, key=_rank)
+        laws = sorted(model, key=_rank)
         local = [term for term in laws if term not in self.gram.shared]
         shaped = sum(self._has_shape(term) for term in laws)
         return Scored(
@@ -127,8 +124,6 @@ class ArmModels:
 
     def cost(self, term: Term) -> float:
         """Return the log prior odds against a law of one joint, with its coefficients."""
-        if term in self.zeros:
-            return 0.0
         effect, c = JOINT_EFFECTS[term.effect], self.constants
         values = len(self.gram.scales[term]) + self._has_shape(term)
         return (c.parameter * values + c.law * effect.laws + c.curve * effect.is_curve
@@ -183,21 +178,20 @@ class ArmModels:
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
         """Return models with one law more, less, or exchanged for another of its group."""
-        laws = [term for term in mine if term not in self.zeros]
-        near = [mine - {term} for term in laws]
+        near = [mine - {term} for term in mine]
         near += [mine | {term} for term in self._can_add(mine, every)]
         # Dry and viscous friction together: each alone is bent to stand in for both.
         rest = frozenset(term for term in mine if group_of(term)[0] not in _PAIR)
         viscous = [term for term in every if term.effect == 'viscous_friction']
         near += [rest | {dry, other} for dry in every if dry.effect == 'coulomb_friction'
                  for other in viscous]
-        return near + [mine - {term} | {other} for term in laws for other in every
+        return near + [mine - {term} | {other} for term in mine for other in every
                        if other != term and group_of(other) == group_of(term)]
 
     def _pruned(self, model: Model) -> Model:
         """Drop laws as long as a model gains by that."""
         while True:
-            fewer = max(([model - {term} for term in sorted(model - self.zeros)]),
+            fewer = max((model - {term} for term in sorted(model)),
                         key=self.score, default=model)
             if self.score(fewer) <= self.score(model):
                 return model
@@ -208,7 +202,7 @@ class ArmModels:
     def extensions(self, one: Scored) -> list[Scored]:
         """Add each law that joints share, and refine the laws of the joints beside it."""
         model: Model = one.found[0]
-        if not model - self.zeros:
+        if not model:
             return self._known([self._plain])
         self._progress(', '.join(map(label, sorted(model & frozenset(self._shared)))) or 'joints')
         core = frozenset(term for term in model
@@ -237,7 +231,7 @@ class ArmModels:
         """Drop laws of joints whose values are not possible: another law does what they did."""
         while self.score(model) == -np.inf:
             theta = self._fitted(model).found[1].theta
-            stand_in = {one for one in model - self._shared_laws - self.zeros
+            stand_in = {one for one in model - self._shared_laws
                         if not JOINT_EFFECTS[one.effect].possible(theta[one])}
             if not stand_in:
                 break
@@ -251,12 +245,12 @@ class ArmModels:
     def siblings(self, one: Scored) -> list[Scored]:
         """Return models without each law of a model, and with another in its place."""
         model: Model = one.found[0]
-        near = [model - {term} for term in model - self.zeros]
+        near = [model - {term} for term in model]
         for k, j in enumerate(self.gram.joints):
             judge = JointJudge(self, model, k)
             mine = frozenset(judge.local)
             best = judge.scores([mine])[mine]
-            for term in sorted(mine - self.zeros):
+            for term in sorted(mine):
                 scores = judge.scores(mine - {term} | {other} for other in self._can_add(
                     mine - {term}, self._local[j]) if other != term)
                 likely = sorted((other for other in scores if scores[other] > best - _NEAR),

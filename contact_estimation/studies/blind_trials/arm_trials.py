@@ -90,12 +90,13 @@ def _delay(one: _Arm, rng: np.random.Generator) -> ArmLaw:
 
 
 def _at(name: str, where: str, low: float, high: float, both: bool = False) -> Draw:
-    """Draw one coefficient, as a share of the range of its joint's torque."""
+    """Draw the first coefficient, as a share of the range of its joint's torque."""
     def draw(one: _Arm, rng: np.random.Generator) -> ArmLaw:
         j = getattr(one, where)(rng)
         size = rng.uniform(low, high) * (rng.choice([-1.0, 1.0]) if both else 1.0)
         unit = 1.0 if name == 'force_gain' else one.size[j]
-        return ArmLaw(name, [size * unit], j, 1e-3 if name == 'coulomb_friction' else 0.0)
+        theta = size * unit * np.eye(len(JOINT_EFFECTS[name].coefficients))[0]
+        return ArmLaw(name, theta.tolist(), j, 1e-3 if name == 'coulomb_friction' else 0.0)
     return draw
 
 
