@@ -17,6 +17,7 @@ from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZERO_KNOWN, ZEROS
+from contact_estimation.diagnosis.arm.pruning import without_each
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError
@@ -212,6 +213,16 @@ def test_a_load_heavier_than_the_last_links_is_no_unit() -> None:
     assert [one.name for one in found.effects if one.family != 'friction'] == ['payload']
 
 
+def test_each_recording_has_a_payload_of_its_own() -> None:
+    loads = [[factor * x for x in BODY] for factor in (1.0, 2.5)]
+    both = [arm_recording([ArmLaw('payload', load, 2)], seed) for seed, load in enumerate(loads)]
+    found = diagnose_arm(both, URDF)
+    beyond = [one for one in found.effects if one.family != 'friction']
+    assert [one.name for one in beyond] == ['payload', 'payload'], as_text(found)
+    for one in beyond:
+        assert one.parameters['mass'].value == pytest.approx(loads[one.term.file][0], rel=0.1)
+
+
 def test_rests_without_the_ways_between_them_are_refused() -> None:
     t = motion().t
     rest = (t // 4.0).astype(int)
@@ -241,6 +252,13 @@ def test_an_arm_at_rest_is_refused_and_a_joint_at_rest_left_out() -> None:
     assert still.refused and 'move every joint' in as_text(still)
     one = diagnose_arm(arm_recording(q=lambda q: q * [1.0, 1.0, 0.0]), URDF)
     assert one.left_out == {'joint_3': 'rests'} and len(one.joints) == 2
+
+
+def test_the_noise_of_a_joint_at_rest_sets_no_filter() -> None:
+    noise = 1e-3 * np.random.default_rng(0).normal(size=motion().q.shape)
+    one = arm_recording(q=lambda q: q * [1.0, 1.0, 0.0] + noise * [0.0, 0.0, 1.0])
+    assert Channels([one], ArmDynamics(URDF)).cut_off < 1.2 * Channels(
+        [arm_recording()], ArmDynamics(URDF)).cut_off
 
 
 def test_a_hand_that_is_not_mounted_is_told() -> None:
@@ -280,7 +298,7 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
     channels = Channels([arm_recording()], ArmDynamics(URDF))
     gram = Gram(channels)
     model = [Term('viscous_friction', j) for j in range(3)] + [Term('force_delay')]
-    found, (piece,), size = gram.fit(model), channels.pieces, gram.width(CALIBRATION)
+    found, (piece,), size = gram.fit(frozenset(model)), channels.pieces, gram.width(CALIBRATION)
     blocks = np.array_split(np.arange(len(piece.t)), len(gram.times))
     left_out = []
     for out in [*blocks, np.zeros(0, int)]:
@@ -304,6 +322,18 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
         left_out.append([np.mean((y - X @ theta) ** 2) for X, y in errors] if len(out) else [])
     assert found.theta[model[3]] == pytest.approx(theta[size + 3] * gram.scales[model[3]])
     assert found.left_out == pytest.approx(np.array(left_out[:-1]), rel=1e-6)
+
+
+def test_a_law_less_is_what_a_fit_without_it_gives() -> None:
+    gram = Gram(Channels([arm_recording()], ArmDynamics(URDF)))
+    model = {Term('payload', 2), Term('force_delay'), Term('joint_spring', 1)}
+    model |= {Term('viscous_friction', j) for j in range(3)}
+    for term, found in without_each(gram, frozenset(model)).items():
+        wanted = gram.fit(frozenset(model - {term}))
+        assert found.left_out == pytest.approx(wanted.left_out, rel=1e-6)
+        assert found.fitted == pytest.approx(wanted.fitted, rel=1e-6)
+        assert found.known == pytest.approx(wanted.known)
+        assert found.surprise == pytest.approx(wanted.surprise, abs=0.01)
 
 
 def test_the_corrected_description_explains_what_the_nominal_one_does_not() -> None:

@@ -60,7 +60,7 @@ def pressed_along(arm: ArmDynamics, q: Array, outside: Outside) -> Array:
 
 
 _LEAST_SAMPLES = 200  # two seconds at the rate of slow drivers
-_STILL = 0.03  # range of a joint at rest [rad]: friction may hold anything over its presliding
+STILL = 0.03  # range of a joint at rest [rad]: friction may hold anything over its presliding
 GAP = 8.0  # sample periods without a message, at which a recording is cut
 _SILENT = 0.5  # share of samples of no effort, from which on a joint is one that publishes none
 
@@ -91,7 +91,7 @@ class ArmRecording:
     def moves(self) -> Flags:
         """Return which joints move, so that their torque tells more than a constant."""
         return np.asarray(np.max([np.ptp(self.q[rows], axis=0)
-                                  for rows in self.stretches], axis=0) > _STILL)
+                                  for rows in self.stretches], axis=0) > STILL)
 
     @property
     def stretches(self) -> list[Any]:

@@ -21,6 +21,7 @@ _LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
 _GYRATION_M = 0.05  # with which the search for a body begins
 _WIDER = 1e-2  # precision of a prior that tells little, in that of the prior of a load
 _PLANES = 12  # of the cone of bodies, onto which a load is projected
+_SETTLED = 0.01  # nats of a step that changes no decision
 
 
 @lru_cache(maxsize=None)
@@ -58,7 +59,10 @@ def cost_of_body(x: Array, spread: Array, sizes: Array, link: Array) -> float:
         if values[0] >= 0.0:
             break
         normal = vectors[:, 0] @ each @ vectors[:, 0]
-        y = y - S @ normal * (values[0] / (normal @ S @ normal))
+        size = normal @ S @ normal
+        y = y - S @ normal * (values[0] / size)
+        if values[0] ** 2 < 2.0 * _SETTLED * size:
+            break
     return float(0.5 * (y - start) @ np.linalg.solve(S, y - start))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
-from .arm_recording import ArmRecording, Array, Flags, GAP
+from .arm_recording import ArmRecording, Array, Flags, GAP, STILL
 from ...exceptions import RecordingError
 from ...kinematics.arm_dynamics import ArmDynamics, Outside
 from ...physics.joint_effects import JOINT_EFFECTS, JointMotion, Place
@@ -114,9 +114,9 @@ def _cut_off(stretch: _Stretch) -> float:
     rate = 1.0 / float(stretch.t[1] - stretch.t[0])
     v = np.gradient(low_pass(stretch.q, rate, 0.2 * rate), 1.0 / rate, axis=0)
     power = np.abs(np.fft.rfft(v * np.hanning(len(v))[:, None], axis=0)) ** 2
-    whole = power.sum(axis=0)
-    power = (power / np.maximum(whole, 1e-300))[:, whole > 1e-4 * whole.max()].mean(axis=1)
-    place = int(np.searchsorted(np.cumsum(power) / power.sum(), _POWER))
+    power = power[:, np.ptp(stretch.q, axis=0) > STILL]  # all that others tell is noise
+    power = (power / power.sum(axis=0)).sum(axis=1)
+    place = int(np.searchsorted(np.cumsum(power), _POWER * power.sum()))
     band = float(np.fft.rfftfreq(len(v), 1.0 / rate)[place])
     return float(np.clip(_HARMONICS * band, _SLOWEST, min(_FASTEST, 0.2 * rate)))
 

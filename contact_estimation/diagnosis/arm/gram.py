@@ -13,6 +13,7 @@ over all blocks, or all but one. Laws of one joint are eliminated first (Schur c
 what joints share, 24 directions of their links' inertia above all, costs one small system.
 """
 
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any, Iterable, Iterator, NamedTuple, Sequence
 
@@ -46,6 +47,7 @@ _NOISE_KNOWN = 0.4  # of the mean square of noise: its standard deviation to a f
 _BLOCKS, _FEWEST = 16, 4
 _ANOTHER = 2.0  # independent errors of a block at least: one alone is like its neighbours
 _INDEPENDENT = ARM.independent  # errors of a block
+_KEPT = 400  # eliminations: some 100 MB for seven joints
 
 
 class Fitted(NamedTuple):
@@ -62,6 +64,21 @@ class Fitted(NamedTuple):
     # half the squared coefficients of the calibration, in those expected, and what the data lose
     # if loads leave bodies [nat]
     surprise: float
+
+
+class Eliminated(NamedTuple):
+    """What a joint adds to the system of the shared coefficients."""
+
+    inner: Array  # columns of its own terms
+    outer: Array  # and of shared ones
+    places: Array  # of these in theta
+    own: Array  # covariance of its own coefficients, given those shared
+    # U, u: own coefficients are u - U shared
+    U: Array
+    u: Array
+    # S, r: matrix and right side
+    S: Array
+    r: Array
 
 
 class Gram:
@@ -95,8 +112,7 @@ class Gram:
         self.links = {term: channels.arm.neutral.reshape(-1, PER_LINK)[term.place]
                       for term in self.shared if JOINT_EFFECTS[term.effect].family == 'load'}
         self._build()
-        self.weights = self.weights_for(self.s / self.kept)
-        self._known: dict[object, tuple[Array, ...]] = {}
+        self.set_weights(self.weights_for(self.s / self.kept))
 
     def _scale(self, term: Term) -> Array:
         """Return the standard deviation of the coefficients of a term before any data."""
@@ -174,26 +190,22 @@ class Gram:
 
     def set_weights(self, weights: Array) -> None:
         """Weigh the joints by what a good model leaves of them."""
-        self.weights = weights
-        self._known.clear()
+        self.weights: Array = weights
+        self.eliminated = lru_cache(_KEPT)(self._eliminated)
+        self.solve = lru_cache(1)(self._solve)  # all joints of a model are tried in turn
 
-    def _eliminated(self, k: int, local: tuple[Term, ...], shared: tuple[Term, ...]
-                    ) -> tuple[Array, ...]:
-        """Return what a joint adds to the system of the shared coefficients."""
-        key = k, local, shared
-        if key not in self._known:
-            w = self.weights[k]
-            inner = self.index(k, local)
-            outer, places = self.shared_index(k, shared)
-            G, c = self.G_fit[k], self.c_fit[k]
-            H = w * G[:, inner[:, None], outer]
-            K = w * G[:, inner[:, None], inner] + np.eye(len(inner))
-            solved = np.linalg.solve(K, np.concatenate([H, w * c[:, inner, None]], axis=2))
-            U, u = solved[:, :, :-1], solved[:, :, -1]
-            S = w * G[:, outer[:, None], outer] - H.transpose(0, 2, 1) @ U
-            r = w * c[:, outer] - np.einsum('bio,bi->bo', H, u)
-            self._known[key] = inner, outer, places, U, u, S, r
-        return self._known[key]
+    def _eliminated(
+        self, k: int, local: tuple[Term, ...], shared: tuple[Term, ...]
+    ) -> Eliminated:
+        w, inner = self.weights[k], self.index(k, local)
+        outer, places = self.shared_index(k, shared)
+        G, c = self.G_fit[k], self.c_fit[k]
+        H = w * G[:, inner[:, None], outer]
+        own = np.linalg.inv(w * G[:, inner[:, None], inner] + np.eye(len(inner)))
+        U, u = own @ H, w * np.einsum('bij,bj->bi', own, c[:, inner])
+        S = w * G[:, outer[:, None], outer] - H.transpose(0, 2, 1) @ U
+        r = w * c[:, outer] - np.einsum('bio,bi->bo', H, u)
+        return Eliminated(inner, outer, places, own, U, u, S, r)
 
     def index(self, k: int, terms: Iterable[Term]) -> Array:
         """Return the columns of a joint's sensor and of terms."""
@@ -229,85 +241,91 @@ class Gram:
                 local[self.joints.index(term.place)].append(term)
         return [tuple(one) for one in local], (CALIBRATION, *shared)
 
-    def solve(self, model: Iterable[Term]) -> tuple[list[Array], Array, Array]:
+    def _solve(self, model: frozenset[Term]) -> tuple[list[Array], Array, Array]:
         """Return theta of each joint (B + 1, K), of shared terms (B + 1, S), and their system."""
         local, shared = self.split(model)
         size = sum(self.width(term) for term in shared)
         A, b = np.zeros((len(self.G_fit[0]), size, size)), np.zeros((len(self.G_fit[0]), size))
         A[:, np.arange(size), np.arange(size)] = 1.0
         for k, mine in enumerate(local):
-            _, _, places, _, _, S, r = self._eliminated(k, mine, shared)
-            every = len(places) == size  # a view is faster than a copy of its elements
-            at, of = (slice(None), slice(None)) if every else (places[:, None], places)
-            A[:, at, of] += S
-            b[:, of] += r
+            one = self.eliminated(k, mine, shared)
+            every = len(one.places) == size  # a view is faster than a copy of its elements
+            at, of = (slice(None), slice(None)) if every else (one.places[:, None], one.places)
+            A[:, at, of] += one.S
+            b[:, of] += one.r
         both = np.linalg.solve(A, b[:, :, None])[:, :, 0]
         inner = []
         for k, mine in enumerate(local):
-            _, _, places, U, u, _, _ = self._eliminated(k, mine, shared)
-            inner.append(u - np.einsum('bio,bo->bi', U, both[:, places]))
-        return inner, np.asarray(both), np.asarray(A[-1])
+            one = self.eliminated(k, mine, shared)
+            inner.append(one.u - np.einsum('bio,bo->bi', one.U, both[:, one.places]))
+        return inner, np.asarray(both), A
 
-    def fit(self, model: Iterable[Term]) -> Fitted:
+    def coefficients(self, model: frozenset[Term]) -> dict[Term, Array]:
+        """Return the coefficients of the laws of a model."""
+        local, shared = self.split(model)
+        inner, both, _ = self.solve(model)
+        theta = self.of(shared, both[-1])
+        for mine, one in zip(local, inner):
+            theta.update(self.of((SENSOR, *mine), one[-1]))
+        return theta
+
+    def of(self, terms: Sequence[Term], theta: Array) -> dict[Term, Array]:
+        """Return the coefficients of laws among those of all terms."""
+        return {term: self.scales[term] * theta[at] for term, at in self.places(terms)
+                if term in self.scales}
+
+    def fit(self, model: frozenset[Term]) -> Fitted:
         """Fit a model on all blocks, and on all but each."""
-        model = list(model)
         local, shared = self.split(model)
         inner, both, A = self.solve(model)
         left_out, fitted = (np.empty_like(self.s) for _ in range(2))
-        theta = dict[Term, Array]()
         for k, mine in enumerate(local):
-            ins, outs, places = self._eliminated(k, mine, shared)[:3]
-            index = np.concatenate([ins, outs])
-            T = np.concatenate([inner[k], both[:, places]], axis=1)
-            left_out[:, k], fitted[:, k] = self.errors(k, index, T)
-            theta.update({term: inner[k][-1, at] for term, at in self.places((SENSOR, *mine))
-                          if term != SENSOR})
-        theta.update({term: both[-1, at] for term, at in self.places(shared)})
-        spread: Array = np.asarray(np.linalg.inv(A), float)
+            one = self.eliminated(k, mine, shared)
+            T = np.concatenate([inner[k], both[:, one.places]], axis=1)
+            index = np.concatenate([one.inner, one.outer])
+            left_out[:, k], fitted[:, k] = self.errors(k, index, T[None])[:, 0]
+        spread: Array = np.asarray(np.linalg.inv(A[-1]), float)
         known = float(np.sum(1.0 - np.diag(spread)[self.width(CALIBRATION):]))
         lost = sum(cost_of_body(both[-1, at], spread[at, at], self.scales[term], self.links[term])
                    for term, at in self.places(shared) if term in self.links)
-        calibration, moved = theta.pop(CALIBRATION), self.directions.shape[1]
+        calibration, moved = both[-1, :self.width(CALIBRATION)], self.directions.shape[1]
         sensors = np.array([one[-1, :self.width(SENSOR)] for one in inner])
         zeros = {term: self.zeros[term] * calibration[moved:][at]
                  for term, at in self.places(self.zeros)}
         zeros.update({term: np.array([std * value]) for j, values in zip(self.joints, sensors)
                       for (term, std), value in zip(self.sensor(j), values)})
         return Fitted(
-            {term: self.scales[term] * one for term, one in theta.items()},
-            self.directions @ calibration[:moved], zeros, left_out, fitted, known,
+            self.coefficients(model), self.directions @ calibration[:moved], zeros, left_out,
+            fitted, known,
             0.5 * float(calibration @ calibration + np.sum(sensors**2)) + lost)
 
-    def covariance(self, model: Iterable[Term]) -> dict[Term, Array]:
+    def covariance(self, model: frozenset[Term]) -> dict[Term, Array]:
         """Return the covariance of the coefficients of each law of a model."""
-        model = list(model)
         local, shared = self.split(model)
-        whole = np.asarray(np.linalg.inv(self.solve(model)[2]))
+        whole = np.asarray(np.linalg.inv(self.solve(model)[2][-1]))
         found = {term: whole[at, at] for term, at in self.places(shared) if term != CALIBRATION}
         for k, mine in enumerate(local):
-            inner, _, places, U = self._eliminated(k, mine, shared)[:4]
-            G = self.G_fit[k][-1][np.ix_(inner, inner)]
-            own = np.asarray(np.linalg.inv(self.weights[k] * G + np.eye(len(inner))))
-            own = own + U[-1] @ whole[np.ix_(places, places)] @ U[-1].T
+            one = self.eliminated(k, mine, shared)
+            own = one.own[-1] + one.U[-1] @ whole[np.ix_(one.places, one.places)] @ one.U[-1].T
             found.update({term: own[at, at] for term, at in self.places((SENSOR, *mine))
                           if term != SENSOR})
         return {term: one * np.outer(self.scales[term], self.scales[term])
                 for term, one in found.items()}
 
-    def per_gain(self, model: Iterable[Term], term: Term) -> Array:
+    def per_gain(self, model: frozenset[Term], term: Term) -> Array:
         """Return how coefficients of a law depend on the gain of each joint's torque, (C, K)."""
         # theta is linear in the torques, and a torque that is measured too large by a share g has
         # g (RNEA + y) more than y: what the column of `force_gain` adds, and y itself.
-        model, c_fit, found = list(model), self.c_fit, []
+        c_fit, found = self.c_fit, []
         for k, j in enumerate(self.joints):
             gain = Term('force_gain', j)
             load = self.G_fit[k][:, :, self.at[k][gain][0]] / self.scales[gain][0]
             self.c_fit = [load + one if other == k else 0.0 * one
                           for other, one in enumerate(c_fit)]
-            self._known.clear()
-            found.append(self.fit(model).theta[term])
+            self.set_weights(self.weights)
+            found.append(self.coefficients(model)[term])
         self.c_fit = c_fit
-        self._known.clear()
+        self.set_weights(self.weights)
         return np.array(found)
 
     def places(self, terms: Iterable[Term]) -> Iterator[tuple[Term, slice]]:
@@ -317,9 +335,11 @@ class Gram:
         return zip(terms, map(slice, ends, ends[1:]))
 
     def errors(self, k: int, index: Array, T: Array) -> Array:
-        """Return mean squares (2, B) of each block, as left out and as fitted; T (B + 1, K)."""
+        """Return mean squares (2, M, B), as left out and as fitted, of M fits T (M, B + 1, K)."""
         G, c = self.G[k][:, index[:, None], index], self.c[k][:, index]
-        return np.maximum(remainder(G, c, self.s[:, k], of_blocks(T)), 0.0) / self.kept[:, k]
+        theta = of_blocks(np.moveaxis(T, 1, 0)).transpose(0, 2, 1, 3)
+        left = remainder(G, c, self.s[:, k], theta.reshape(-1, *theta.shape[2:]))
+        return (np.maximum(left, 0.0) / self.kept[:, k]).reshape(theta.shape[:3])
 
 
 def of_blocks(T: Array) -> Array:
@@ -328,5 +348,7 @@ def of_blocks(T: Array) -> Array:
 
 
 def remainder(G: Array, c: Array, s: Array, theta: Array) -> Array:
-    """Return |y - X theta|^2 of each block from X^T X, X^T y, y^T y and theta (..., K)."""
-    return np.asarray(s + (theta * ((G @ theta[..., None])[..., 0] - 2.0 * c)).sum(axis=-1))
+    """Return |y - X theta|^2 from X^T X (..., K, K), X^T y, y^T y and theta (F, ..., K)."""
+    some = np.moveaxis(theta, 0, -1)
+    other = np.moveaxis(np.broadcast_to(c, theta.shape), 0, -1)
+    return np.asarray(s + np.moveaxis(((G @ some - 2.0 * other) * some).sum(axis=-2), -1, 0))

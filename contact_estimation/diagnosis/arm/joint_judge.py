@@ -38,8 +38,10 @@ class JointJudge:
         self._rest = c - np.einsum('bpo,fbo->fbp', G[:, :, outer], own)
         self._square = remainder(G[:, outer[:, None], outer], c[:, outer], gram.s[:, k], own)
 
-    def scores(self, models: Iterable[frozenset[Term]]) -> dict[frozenset[Term], float]:
-        """Return the score of each of C sets of laws of the joint, fitted at once."""
+    def scores(
+        self, models: Iterable[frozenset[Term]], least: float = -np.inf
+    ) -> dict[frozenset[Term], float]:
+        """Return the scores above `least` of C possible sets of laws of the joint."""
         gram, k, models = self._gram, self._k, list(models)
         every = [sorted(one, key=gram.order.__getitem__) for one in models]
         rows = [gram.index(k, terms) for terms in every]
@@ -58,9 +60,6 @@ class JointJudge:
         beyond = np.maximum(expected - gram.felt_noise[k], 0.0)
         likelihood = -0.5 * gram.counts[:, k] @ np.log(beyond / gram.floor[k] + 1.0)
         score = likelihood - 0.5 * np.sum(T[-1, :, :gram.width(SENSOR)] ** 2, axis=-1)
-        values = ({term: gram.scales[term] * theta[at] for term, at in
-                   gram.places((SENSOR, *terms)) if term != SENSOR}
-                  for terms, theta in zip(every, T[-1]))
-        return {one: float(own) - sum(map(self._space.cost, one))
-                if all_possible(theta) else -np.inf
-                for one, own, theta in zip(models, score, values)}
+        score -= [sum(map(self._space.cost, one)) for one in models]
+        return {one: float(own) for one, own, terms, theta in zip(models, score, every, T[-1])
+                if own > least and all_possible(gram.of((SENSOR, *terms), theta))}

@@ -12,6 +12,7 @@ import numpy as np
 from .channels import Term
 from .gram import Fitted, Gram
 from .joint_judge import all_possible, JointJudge
+from .pruning import without_each
 from ..fit.constants import ARM, Constants
 from ..fit.evidence import Evidence, Scored
 from ...physics.joint_effects import JOINT_EFFECTS, Place
@@ -37,9 +38,8 @@ _ORDER = {name: k for k, name in enumerate(JOINT_EFFECTS)}
 def group_of(term: Term) -> tuple[str, Place, int]:
     """Return what a model has once at most: kind of law, place and file."""
     effect = JOINT_EFFECTS[term.effect]
-    file = -1 if term.effect == 'payload' else term.file
     place = term.place[:2] if isinstance(term.place, tuple) else term.place
-    return effect.group or effect.family, place, file
+    return effect.group or effect.family, place, term.file
 
 
 class ArmModels:
@@ -66,6 +66,7 @@ class ArmModels:
         for term in every:
             counts.setdefault(term.effect, set()).add(term.place)
         self._places = {name: log(len(places)) for name, places in counts.items()}
+        self.cost = lru_cache(None)(self._cost)
         self._seen = dict[Model, Scored]()
         self._begin()
         self._plain = Model()
@@ -122,7 +123,7 @@ class ArmModels:
         """Return whether a law's shape is a value that is told, and not a matter of smoothing."""
         return JOINT_EFFECTS[term.effect].shape is not None and term.effect != 'coulomb_friction'
 
-    def cost(self, term: Term) -> float:
+    def _cost(self, term: Term) -> float:
         """Return the log prior odds against a law of one joint, with its coefficients."""
         effect, c = JOINT_EFFECTS[term.effect], self.constants
         values = len(self.gram.scales[term]) + self._has_shape(term)
@@ -134,8 +135,11 @@ class ArmModels:
         return JOINT_EFFECTS[term.effect].laws * self._places[term.effect]
 
     def _can_add(self, model: Model, terms: Iterable[Term]) -> list[Term]:
-        taken = {group_of(term) for term in model}
-        return [term for term in terms if group_of(term) not in taken]
+        taken = list(map(group_of, model))
+        # What all files have is that of each; two files may differ.
+        return [term for term in terms if not any(
+            group[:2] == one[:2] and (group[2] == one[2] or -1 in (group[2], one[2]))
+            for group in [group_of(term)] for one in taken)]
 
     # Laws of one joint.
 
@@ -158,22 +162,22 @@ class ArmModels:
         mine = frozenset(judge.local)
         # Laws that lack together hide each other: from all usual ones, too, down to those needed.
         full = mine.union(self._can_add(mine, self._usual[j]))
-        scores = judge.scores(self._climb(judge, start, model - mine, self._local[j])
-                              for start in (mine, full))
-        best = max(scores, key=lambda one: scores[one])
+        ends = [self._climb(judge, start, model - mine, self._local[j]) for start in (mine, full)]
+        scores = judge.scores(ends)
+        best = max(scores, key=lambda one: scores[one], default=mine)
         return frozenset(model - mine | best)
 
     def _climb(self, judge: JointJudge, mine: Model, rest: Model, every: Sequence[Term]) -> Model:
         """Change a law at a time as long as a joint gains."""
+        least = judge.scores([mine]).get(mine, -np.inf)
         for _ in range(_STEPS):
-            scores = judge.scores([mine, *self.neighbours(mine, every)])
-            better = sorted((one for one in scores if scores[one] > scores[mine]),
-                            key=lambda one: -scores[one])
+            scores = judge.scores(self.neighbours(mine, every), least)
             # Values may prove impossible once the shared coefficients are fitted, too.
-            found = next((one for one in better if self.score(rest | one) > -np.inf), None)
+            found = next((one for one in sorted(scores, key=lambda one: -scores[one])
+                          if all_possible(self.gram.coefficients(rest | one))), None)
             if found is None:
                 break
-            mine = found
+            mine, least = found, scores[found]
         return mine
 
     def neighbours(self, mine: Model, every: Sequence[Term]) -> list[Model]:
@@ -190,12 +194,14 @@ class ArmModels:
 
     def _pruned(self, model: Model) -> Model:
         """Drop laws as long as a model gains by that."""
-        while True:
-            fewer = max((model - {term} for term in sorted(model)),
-                        key=self.score, default=model)
-            if self.score(fewer) <= self.score(model):
-                return model
-            model = fewer
+        fewer: Model | None = model
+        while fewer is not None:
+            model, score = fewer, self.score(fewer)
+            likely = {model - {term}: self._zero.score(self.as_scored(model - {term}, found))
+                      for term, found in without_each(self.gram, model).items()}
+            fewer = next((one for one in sorted(likely, key=lambda one: -likely[one])
+                          if likely[one] > score and self.score(one) > score), None)
+        return model
 
     # As of `Space`.
 
@@ -249,12 +255,11 @@ class ArmModels:
         for k, j in enumerate(self.gram.joints):
             judge = JointJudge(self, model, k)
             mine = frozenset(judge.local)
-            best = judge.scores([mine])[mine]
+            least = judge.scores([mine]).get(mine, -np.inf) - _NEAR
             for term in sorted(mine):
-                scores = judge.scores(mine - {term} | {other} for other in self._can_add(
-                    mine - {term}, self._local[j]) if other != term)
-                likely = sorted((other for other in scores if scores[other] > best - _NEAR),
-                                key=lambda other: -scores[other])[:_BESIDES]
+                scores = judge.scores((mine - {term} | {other} for other in self._can_add(
+                    mine - {term}, self._local[j]) if other != term), least)
+                likely = sorted(scores, key=lambda other: -scores[other])[:_BESIDES]
                 near += [model - mine | other for other in likely]
         for term in self._shared:  # what several joints have alike may be the arm's
             alike = {one for one in model if one.place is not None and term.place is None
