@@ -312,7 +312,7 @@ def test_fits_equal_those_of_all_rows_at_once_and_of_all_but_a_block() -> None:
             X[:, size + 3:size + 4] = piece.columns[model[3]][j] * gram.scales[model[3]]
             load = piece.tau[:, j] - piece.residual[:, j]
             X[:, size + 4 + j] = GAIN_KNOWN * load
-            X[:, size + 7 + j] = ZERO_KNOWN * gram.span[j]
+            X[:, size + 7 + j] = ZERO_KNOWN * gram.size[j]
             keep = piece.moving[:, j].copy()
             errors.append((X[out][keep[out]], piece.residual[out, j][keep[out]]))
             keep[out] = False

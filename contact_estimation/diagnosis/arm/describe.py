@@ -21,7 +21,6 @@ from ...kinematics.arm_dynamics import PER_LINK
 from ...physics.joint_effects import JOINT_EFFECTS
 
 _SHOWS = 0.1  # of the largest share of a law of the whole arm: joints that show it
-_WEAK = 0.05  # of the largest range of a torque
 _REGION = 1.5  # times the mean, for a law to be located in a region
 _SAME = 1e-3  # of the square of a torque: what is the same in another place
 _INTERVALS = 3  # that are listed
@@ -58,8 +57,7 @@ class ArmNames:
         carried that: nearly all of its torque is friction.
         """
         gram = self.space.gram
-        span = np.maximum(gram.span, _WEAK * gram.span.max())
-        return float((np.sqrt(self.sizes(term) * gram.variance) / span).max())
+        return float((np.sqrt(self.sizes(term) * gram.variance) / gram.size).max())
 
     def without(self, term: Term) -> Any:
         """Return the model without a law."""

@@ -33,9 +33,10 @@ SENSOR = Term('sensor')  # gain and zeros of the torque of a joint, as far as th
 GAIN_STD = 0.15
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
 GAIN_KNOWN = 0.02  # the same of the gain of a sensor that was calibrated
-# The same of its zero in each recording, in the range of the torque: so large are those of the
+# The same of its zero in each recording, in the size of the torque: so large are those of the
 # Panda, TX40, TIAGo and Airbot; of the UR10e a tenth.
 ZERO_KNOWN = 0.02
+_WEAK = 0.05  # of the largest range of a torque
 # Standard deviations of zeros that are fitted and are no finding: the level of the base, by eye
 # [rad], and zero and gain of a wrench that was tared [N], [N m].
 ZEROS = {Term('base_tilt'): np.full(2, 0.01),
@@ -87,6 +88,7 @@ class Gram:
 
     weights (C,): w_j, settable
     counts (B, C): independent errors
+    size (C,): range of the torques, a twentieth of the largest at least [N m]
     reach (C,): range of the torques, with that of what the wrench takes out of them [N m]
     floor (C,): mean square of what no model explains [N^2 m^2]
     variance (C,): of the torques [N^2 m^2]
@@ -96,6 +98,7 @@ class Gram:
         self.channels, self.joints = channels, channels.measured
         tau = np.concatenate([one.tau for one in channels.pieces])[:, self.joints]
         self.span: Array = np.ptp(np.percentile(tau, (0.5, 99.5), axis=0), axis=0) + 1e-9
+        self.size: Array = np.maximum(self.span, _WEAK * self.span.max())
         felt = np.concatenate([one.felt for one in channels.pieces])[:, self.joints]
         self.felt_noise: Array = np.mean(
             [one.felt_noise for one in channels.pieces], axis=0)[self.joints]
@@ -226,7 +229,7 @@ class Gram:
 
     def sensor(self, j: int) -> list[tuple[Term, float]]:
         """Return gain and zeros of the torque of a joint, with their standard deviations."""
-        zero = ZERO_KNOWN * float(self.span[self.joints.index(j)])
+        zero = ZERO_KNOWN * float(self.size[self.joints.index(j)])
         return [(Term('force_gain', j), GAIN_KNOWN), *(
             (Term('force_bias', j, file=file), zero) for file in range(len(self.channels.names)))]
 

@@ -16,7 +16,7 @@ from .gram import CALIBRATION, Fitted, Gram, SENSOR
 
 
 def without_each(gram: Gram, model: frozenset[Term]) -> dict[Term, Fitted]:
-    """Return a model's fit without each of its laws, but for theta and whether loads are bodies."""
+    """Return a model's fit without each law, but for theta and whether loads are bodies."""
     local, shared = gram.split(model)
     inner, both, A = gram.solve(model)
     spread: Array = np.asarray(np.linalg.inv(A), float)
@@ -60,7 +60,7 @@ def without_each(gram: Gram, model: frozenset[Term]) -> dict[Term, Fitted]:
 
 
 def _moved(C: Array, own: Array, value: Array) -> Array:
-    """Return how coefficients with covariance C (B + 1, K, n) change if n of them are held at 0."""
+    """Return how coefficients, C (B + 1, K, n) their covariance, change if n are held at 0."""
     return np.asarray(-(C @ np.linalg.solve(own, value[..., None]))[..., 0])
 
 
