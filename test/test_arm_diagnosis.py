@@ -16,8 +16,8 @@ from contact_estimation.diagnosis.arm.channels import Channels, Term
 from contact_estimation.diagnosis.arm.conclude import diagnose_arm
 from contact_estimation.diagnosis.arm.contact import tip_lag
 from contact_estimation.diagnosis.arm.corrected_robot import corrected_urdf, mjcf_snippet
+from contact_estimation.diagnosis.arm.covariance import without_each
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZERO_KNOWN, ZEROS
-from contact_estimation.diagnosis.arm.pruning import without_each
 from contact_estimation.diagnosis.arm.result import ArmDiagnosis
 from contact_estimation.diagnosis.arm.text import as_dict, as_html, as_text
 from contact_estimation.exceptions import ModelFileError, RecordingError

@@ -10,6 +10,7 @@ import numpy as np
 from .arm_recording import Array
 from .bodies import possible_inertial
 from .channels import Term
+from .covariance import covariance
 from .gram import GAIN_STD
 from .result import ArmEffect
 from .space import ArmModels, label
@@ -33,7 +34,7 @@ class ArmNames:
         self.space, self.compared, self.named = space, compared, named
         self.model, self.fitted = named.model.found
         self.theta = self.fitted.theta
-        self._covariance = space.gram.covariance(self.model)
+        self._covariance = covariance(space.gram, self.model)
         self.stds = {term: np.sqrt(np.diag(one)) for term, one in self._covariance.items()}
         self._without = dict[Term, Any]()
 

@@ -302,19 +302,6 @@ class Gram:
             fitted, known,
             0.5 * float(calibration @ calibration + np.sum(sensors**2)) + lost)
 
-    def covariance(self, model: frozenset[Term]) -> dict[Term, Array]:
-        """Return the covariance of the coefficients of each law of a model."""
-        local, shared = self.split(model)
-        whole = np.asarray(np.linalg.inv(self.solve(model)[2][-1]))
-        found = {term: whole[at, at] for term, at in self.places(shared) if term != CALIBRATION}
-        for k, mine in enumerate(local):
-            one = self.eliminated(k, mine, shared)
-            own = one.own[-1] + one.U[-1] @ whole[np.ix_(one.places, one.places)] @ one.U[-1].T
-            found.update({term: own[at, at] for term, at in self.places((SENSOR, *mine))
-                          if term != SENSOR})
-        return {term: one * np.outer(self.scales[term], self.scales[term])
-                for term, one in found.items()}
-
     def per_gain(self, model: frozenset[Term], term: Term) -> Array:
         """Return how coefficients of a law depend on the gain of each joint's torque, (C, K)."""
         # theta is linear in the torques, and a torque that is measured too large by a share g has

@@ -10,9 +10,9 @@ from typing import Callable, Iterable, Sequence
 import numpy as np
 
 from .channels import Term
+from .covariance import without_each
 from .gram import Fitted, Gram
 from .joint_judge import all_possible, JointJudge
-from .pruning import without_each
 from ..fit.constants import ARM, Constants
 from ..fit.evidence import Evidence, Scored
 from ...physics.joint_effects import JOINT_EFFECTS, Place
