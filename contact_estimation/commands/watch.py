@@ -93,7 +93,9 @@ def _replay(options: Any, target: str) -> None:
     reader = RecordingReader(options.recording, source)
     replay = RecordingReplay(reader, source, replayed_parameters(options))
     progress = Progress('watch')
-    view = _opened(options, target)
+    view, shown = _opened(options, target)
+    if not options.save:
+        print(shown, flush=True)
     try:
         samples = show_recording(view, reader, source, replay, progress.show)
         if samples < 2:
@@ -107,6 +109,8 @@ def _replay(options: Any, target: str) -> None:
         raise
     progress.done()
     print(f'{samples} samples', flush=True)
+    if options.save:
+        print(shown)
     if view.serves:
         view.stream.flush()
         print('Ctrl-C ends', flush=True)
@@ -116,15 +120,17 @@ def _replay(options: Any, target: str) -> None:
 
 def _follow(options: Any, target: str) -> None:
     interrupted = _interrupted()
-    view = _opened(options, target, _FOLLOWED_S)
+    view, shown = _opened(options, target, _FOLLOWED_S)
+    print(shown, flush=True)
     follow_recording(view, Path(options.recording), options.node, interrupted)
     view.close()
 
 
-def _opened(options: Any, target: str, follow_s: float | None = None) -> ContactView:
+def _opened(
+    options: Any, target: str, follow_s: float | None = None
+) -> tuple[ContactView, str]:
     view = ContactView(Path(options.recording).name)
-    print(f'watch: {show(view, target, follow_s)}', flush=True)
-    return view
+    return view, f'watch: {show(view, target, follow_s)}'
 
 
 def _interrupted() -> Event:
