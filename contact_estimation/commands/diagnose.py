@@ -185,7 +185,3 @@ def _experiment_file(options: Any) -> str | None:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -124,7 +124,3 @@ def _print(fleet: Fleet, folder: Path) -> None:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

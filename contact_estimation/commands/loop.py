@@ -102,8 +102,7 @@ def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
         yield
         return
     watcher = subprocess.Popen(
-        [sys.executable, '-m', 'contact_estimation.commands.watch', str(recording), '--follow',
-         *words],
+        [sys.executable, '-m', 'contact_estimation', 'watch', str(recording), '--follow', *words],
         start_new_session=True, preexec_fn=lambda: os.nice(_NICENESS))
     try:
         yield
@@ -164,7 +163,3 @@ def _number(value: float | None, form: str = '.1f') -> str:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

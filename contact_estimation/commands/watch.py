@@ -145,7 +145,3 @@ def main(args: Sequence[str] | None = None) -> int:
         return made
 
     return command(parser, run)(words[:at])
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -107,6 +107,3 @@ def run(options: Any) -> int:
 
 
 main = command(make_parser, run)
-
-if __name__ == '__main__':
-    raise SystemExit(main())

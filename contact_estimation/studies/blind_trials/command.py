@@ -167,6 +167,3 @@ def _report(
 
 
 main = command(make_parser, run)
-
-if __name__ == '__main__':
-    raise SystemExit(main())
