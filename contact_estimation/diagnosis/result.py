@@ -213,7 +213,7 @@ class Diagnosis:
 
     @property
     def refused(self) -> bool:
-        """Whether something must be put right before anything can be diagnosed."""
+        """Whether a check refuses the recordings: nothing is diagnosed."""
         return any(check.fatal for check in self.checks)
 
     @property
