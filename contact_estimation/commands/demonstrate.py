@@ -52,7 +52,7 @@ def make_parser() -> Parser:
                         help='parameter file with the plant_node physics to conceal (default: '
                         'one effect chosen by the seed)')
     parser.add_argument('--seed', type=int, default=0,
-                        help='seed of the effect and of all noise (default: 0)')
+                        help='seed of the effect and of all noise (default: %(default)s)')
     return parser
 
 
