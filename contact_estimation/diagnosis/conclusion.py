@@ -272,7 +272,7 @@ class _Conclusion:
         return locate(self._shown.whole(model), model)  # it may be in the held-out part alone
 
     def _remainder(self, effects: Sequence[NamedEffect]) -> Remainder | None:
-        """Describe what all names leave on parts left out; None if that is noise."""
+        """Describe what all names leave on folds; None if that is noise."""
         left = min(1.0 - self._explained.share, 1.0)
         if not effects or left < SLIGHT:
             return None
