@@ -34,8 +34,8 @@ def make_parser() -> Parser:
         'checks in Rerun: of a running estimator, or of a recording, which is replayed.',
         epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.')
     parser.add_argument('recording', metavar='RECORDING', nargs='?',
-                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT); '
-                        'default: the running estimator')
+                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT) '
+                        '(default: the running estimator)')
     where = parser.add_mutually_exclusive_group()
     where.add_argument('--web', action='store_true',
                        help='serve a web page instead of opening a window')
@@ -43,7 +43,7 @@ def make_parser() -> Parser:
     parser.add_argument('--follow', action='store_true',
                         help='show the RECORDING while it is written, with its own estimates')
     parser.add_argument('--node', default='estimator_node', metavar='NAME',
-                        help='name of the running or recorded estimator (estimator_node)')
+                        help='name of the running or recorded estimator (default: %(default)s)')
     parser.add_argument(
         '--estimator', help='for a recording: one of ' + ', '.join(ONLINE_ESTIMATORS))
     add_params_option(parser, ', for a recording')
@@ -151,7 +151,3 @@ def main(args: Sequence[str] | None = None) -> int:
         return made
 
     return command(parser, run)(words[:at])
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())
