@@ -7,6 +7,7 @@ from math import isfinite, isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
+from contact_estimation.estimators import MULTIPLE_MODEL
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.checks.input_checks import CHECKS
@@ -18,6 +19,9 @@ from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stream_faults import courses_of
 from contact_estimation.studies import online_contacts
+from contact_estimation.studies.online_row import follow
+from contact_estimation.studies.online_worlds import Sensor, simulate, Wall
+from contact_estimation.studies.paths import cruise, start
 from core_runs import contact_samples
 import numpy as np
 import pytest
@@ -262,3 +266,20 @@ def test_friction_that_ends_with_a_press_is_told_as_no_skew() -> None:
     session, _ = fed(samples, sample_rate=100.0, conditioning__cutoff_frequency=0.0,
                      environment__location=nan)
     assert not {warned.name for warned in session.checks.warnings()} - {'surface_unchecked'}
+
+
+@pytest.mark.parametrize('stiffness, speed, v_noise, told, seed', [
+    (8000.0, 0.01, nan, 0.3, 5), (4000.0, 0.03, 1e-4, nan, 2)])
+def test_a_press_and_a_rest_tell_friction_and_no_skew(
+    stiffness: float, speed: float, v_noise: float, told: float, seed: int
+) -> None:
+    depth, wall = 32.0 / stiffness, Wall(stiffness, 0.016 * stiffness, 0.3, friction=2.0)
+    still = 1.0 + (0.005 + depth) / speed
+    world = simulate('', {'environment.location': told}, [
+        start(-0.005), cruise(1.0, still, speed, 0.1)], still + 2.5, wall,
+        Sensor(6e-4, noise=0.15, velocity_noise=v_noise), np.random.default_rng(seed))
+    trace = follow(world, MULTIPLE_MODEL)
+    assert 'stamp_skew' not in {name for _, name, _ in trace.warnings}
+    assert trace.laws[-1][1]['friction'] > 0.9
+    assert abs(trace.K[-1] - stiffness) < min(3.0 * trace.K_std[-1], 0.01 * stiffness)
+    assert abs(trace.B[-1] - wall.damping) < min(3.0 * trace.B_std[-1], 0.5 * wall.damping)
