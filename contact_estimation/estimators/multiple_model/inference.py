@@ -231,22 +231,23 @@ class WallInference:
         yield from self._judge()
         self._sums.runs.begin()
 
-    def _weights(self, phi: Array) -> tuple[Array, Array]:
+    def _weights(self, phi: Array) -> tuple[Array, list[Array]]:
         """
         Return samples a row over its variance, with the wall as known.
 
-        Returns also what the law with a mass divides that by.
+        Returns also what each of the laws that doubt rows divides that by.
         """
         sums, smooth, best = self._sums, self._blocks.smoothing, self.residuals.best
-        of_acceleration = np.square(phi[ACCELERATION_NOISE]) / smooth.noise
-        heavy, unknown = sums.heavy.mass**2, self.inertia**2 * of_acceleration
-        if best is not None and best[0][0] == MASS:  # then all laws doubt them
-            heavy, unknown = 0.0, unknown + heavy * of_acceleration
+        own = [one.variance(phi, smooth.noise) for one in sums.doubting]
+        unknown = np.square(self.inertia * phi[ACCELERATION_NOISE]) / smooth.noise
+        for k, one in enumerate(sums.doubting):
+            if best is not None and one.law == best[0][0]:  # then all doubt them
+                unknown, own[k] = unknown + own[k], 0.0 * own[k]
         K, B = sums.scale, sums.scale * max(sums.seconds - self.lag.lag[0], 0.0)
         weights = self.residuals.weights(phi, K, B, unknown)
-        return weights, 1.0 + weights / smooth.hop * heavy * of_acceleration
+        return weights, [1.0 + weights / smooth.hop * one for one in own]
 
-    def _add(self, phi: Array, weights: Array, told: Array) -> None:
+    def _add(self, phi: Array, weights: Array, told: list[Array]) -> None:
         """Add a block to all that is known; the older, the less."""
         smooth = self._blocks.smoothing
         seconds = phi.shape[1] * smooth.hop * self._blocks.period_s
@@ -270,8 +271,9 @@ class WallInference:
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
-        best = int(np.where(what.law == MASS, odds, -inf).argmax())
-        sums.heavy.mass = float(judged.theta[best, 2])
+        for other in sums.doubting:
+            best = int(np.where(what.law == other.law, odds, -inf).argmax())
+            other.size = float(judged.theta[best, other.coefficient])
         yield
         change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
         if self._of_laws is None or not (self.rhythm.surprised or self._doubted):

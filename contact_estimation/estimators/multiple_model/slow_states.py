@@ -8,7 +8,9 @@ from math import log, sqrt
 import numpy as np
 
 from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
-from .laws import Array, COLUMNS, DEPTH, DRIFTING, LOG_PRIOR, MASS, MOVING, ONE
+from .laws import (
+    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, LOG_PRIOR, MASS,
+    MOVING, ONE, SIGN)
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
@@ -83,16 +85,33 @@ class OwnData:
         self.gram, self.gained = gram.copy(), 0.0
 
 
-class MassData(OwnData):
+class DoubtedRows(OwnData):
     """
-    Data of the law with a mass, under which the noise of the acceleration is noise of the force.
+    Data of a law that is less sure of some rows than others are.
 
-    mass: as last judged [kg]
+    What friction is at a rate of unknown sign is noise, and so is that of the acceleration times
+    a mass; under these laws alone.
+
+    coefficient: index of what the law has beside a spring and a damper
+    size: of it as last judged, friction [N] or mass [kg]
     """
 
-    def __init__(self) -> None:
-        super().__init__(MASS)
-        self.mass = 0.0
+    def __init__(self, law: int) -> None:
+        super().__init__(law)
+        self.coefficient, self.size = {MASS: 2, FRICTION: 4}[law], 0.0
+
+    def variance(self, phi: Array, noise: float) -> Array:
+        """
+        Return what the variance of samples has under this law alone, (N,) [N^2].
+
+        phi (19, N): rows
+        noise: variance of S0 of white noise of variance 1
+        """
+        if self.law == FRICTION:
+            share = 1.0 - np.square(phi[SIGN])
+        else:
+            share = np.square(phi[ACCELERATION_NOISE]) / noise
+        return np.asarray(self.size * self.size * share)
 
     def add(self, phi: Array, weights: Array, told: Array, fade: float, samples: float) -> None:
         """

@@ -15,10 +15,10 @@ from .constants import (
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .knowledge import OUTSIDE
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE,
+    Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE,
     shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
-from .slow_states import MassData, MovingWall, OwnData
+from .slow_states import DoubtedRows, MovingWall, OwnData
 
 _SCALES: Array = np.geomspace(LEAST_STIFFNESS, STIFFEST, 16)
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -100,7 +100,7 @@ class WallStatistics:
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
     gram (19, 19): sum of the Gram matrices of all blocks, the older, the less
-    walking, heavy: the same of walls that move or drift, of those with a mass
+    walking, doubting: the same of walls that move or drift, of laws that doubt some rows
     runs: the same since every time of a possible change
     odds: log odds of each law
     surfaces: where the surface may be
@@ -113,7 +113,7 @@ class WallStatistics:
         self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
         self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
-        self.heavy = MassData()
+        self.doubting = [DoubtedRows(law) for law in (FRICTION, MASS)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
                          Place(location, ANYWHERE_M, ELSEWHERE)]
@@ -138,19 +138,19 @@ class WallStatistics:
     @property
     def own(self) -> list[OwnData]:
         """Return the laws whose data are their own."""
-        return [*self.walking, self.heavy]
+        return [*self.walking, *self.doubting]
 
     @property
     def place_prior(self) -> Array:
         """Return the log prior of each surface."""
         return np.log([one.probability for one in self.surfaces])
 
-    def add(self, phi: Array, weights: Array, told: Array, seconds: float,
+    def add(self, phi: Array, weights: Array, told: list[Array], seconds: float,
             samples: float) -> None:
         """
         Add a block that lasts so long; the older, the less.
 
-        weights, told (N,): of its rows phi, and what they are divided by under the law with a mass
+        weights, told (N,): of its rows phi, and what the laws that doubt rows divide them by
         samples: independent ones in a row
         """
         gram = (phi * weights) @ phi.T
@@ -163,7 +163,8 @@ class WallStatistics:
         self.runs.add(gram, fade, seconds)
         for one in self.walking:
             one.add(gram, fade, seconds, self.scale)
-        self.heavy.add(phi, weights, told, fade, samples)
+        for law, more in zip(self.doubting, told):
+            law.add(phi, weights, more, fade, samples)
         self.odds = LOG_PRIOR + (self.odds - LOG_PRIOR) * fade
 
     @property
@@ -227,9 +228,10 @@ class WallStatistics:
             far = np.hypot(what.std[own], one.walked)
             odds[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
             what.std[own] = far
-        own = what.law == MASS
-        grams[own] = self.heavy.gram
-        odds[own] += self.heavy.gained
+        for other in self.doubting:
+            own = what.law == other.law
+            grams[own] = other.gram
+            odds[own] += other.gained
         return what, grams, odds
 
     def excitation(self) -> tuple[float, float]:

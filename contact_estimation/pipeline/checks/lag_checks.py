@@ -21,6 +21,7 @@ from .check import Array, BLOCKS, Check, Evidence, rate_of, white_noise_of
 from ...physics.numeric import SIGN_VELOCITY
 
 _SIGNIFICANT = 40.0  # likelihood ratio
+_LEFT = 3.0  # variance that a lag leaves, over the noise's: 1.3 is seen, beside friction 4 or more
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
 _OF_PERIOD = 0.5  # of the joint states
@@ -72,7 +73,7 @@ class StampSkew(Check):
             return ''
         # A lag that many others would replace is none: it takes the place of what is not modelled.
         if not (abs(lag) > limit and min(skew.gain, skew.sharpness) > _SIGNIFICANT
-                and skew.over_physics > _OTHER_PHYSICS):
+                and skew.left < _LEFT and skew.over_physics > _OTHER_PHYSICS):
             return None
         seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
         if more > 0:
@@ -90,6 +91,7 @@ class _Skew(NamedTuple):
     sharpness: float  # likelihood ratio over lags of 10 ms more and less
     gain: float = 0.0  # over no lag, N log(r_0 / r), chi-squared of one without a lag
     over_physics: float = 0.0  # over the best other explanation
+    left: float = 0.0  # variance that it leaves, over that of the noise
 
 
 class _Means(NamedTuple):
@@ -102,6 +104,7 @@ class _Means(NamedTuple):
     motion: NDArray[np.complex128]  # (N,) position and rate, as parts for a single search
     variances: Array  # (3,) of the noise of position, rate and acceleration
     white: float  # variance of the white noise of y [N^2]
+    floor: float  # of all of its noise [N^2]
 
     @property
     def least(self) -> float:
@@ -138,7 +141,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     least = max(float(near.min()), means.least)
     return _Skew(
         best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
-        ratio(_residual_with_physics(means, x, v), least))
+        ratio(_residual_with_physics(means, x, v), least), least / (count * means.floor))
 
 
 def _noise(seen: Evidence) -> tuple[float, ...]:
@@ -193,7 +196,7 @@ def _means(seen: Evidence) -> _Means | None:
     return _Means(
         _of_blocks(y, size).mean(1)[usable], t[usable],
         _of_blocks(acceleration, size).mean(1)[usable], moving[0], moving[1] + 1j * moving[2],
-        variances, white)
+        variances, white, max(seen.state.noise_std, 1e-9)**2 / size)
 
 
 def _known_mass(seen: Evidence) -> float:
