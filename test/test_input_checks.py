@@ -10,6 +10,8 @@ from typing import Any, Callable, Sequence
 from contact_estimation.estimators import MULTIPLE_MODEL
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.checks.check import AxisState, Evidence
 from contact_estimation.pipeline.checks.input_checks import CHECKS
 from contact_estimation.pipeline.checks.rejections import REJECTIONS
 from contact_estimation.pipeline.events import (
@@ -266,6 +268,16 @@ def test_friction_that_ends_with_a_press_is_told_as_no_skew() -> None:
     session, _ = fed(samples, sample_rate=100.0, conditioning__cutoff_frequency=0.0,
                      environment__location=nan)
     assert not {warned.name for warned in session.checks.warnings()} - {'surface_unchecked'}
+
+
+@pytest.mark.parametrize('late_s', [0.0, 0.009])
+def test_checks_use_a_measured_velocity_unless_a_driver_filters_it(late_s: float) -> None:
+    draw, t = np.random.default_rng(1), np.arange(0.0, 2.0, 0.002)
+    x = 2e-3 * np.sin(30.0 * t) + 4e-6 * draw.standard_normal(len(t))
+    v = 0.06 * np.cos(30.0 * (t - late_s)) + 3e-4 * draw.standard_normal(len(t))
+    seen = Evidence('x', EstimationParameters(), AxisState.of(EstimationPipeline()), t, x, v,
+                    np.zeros(len(t)), np.zeros(len(t), bool))
+    assert (seen.rate is v) == (late_s == 0.0)
 
 
 @pytest.mark.parametrize('stiffness, speed, v_noise, told, seed', [
