@@ -209,7 +209,8 @@ class ContactModels:
             int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free)),
             len(laws),
             sum(is_flexible(recordings, model, name) for name in laws), told,
-            as_exact=np.stack((told.left_out[1], told.fitted[1])), white=told.white)
+            as_exact=np.stack((told.left_out[1], told.fitted[1])),
+            white=self._driven or told.white)  # a filter that expects large forces is not
 
     def extensions(self, one: Scored) -> list[Scored]:
         """Fit the most promising candidates beside the effects of a model."""
