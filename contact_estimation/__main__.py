@@ -1,9 +1,14 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""`python -m contact_estimation`: the demonstration, see `commands/demonstrate.py`."""
+"""`python -m contact_estimation [NAME] ...`: an executable, by default the demonstration."""
 
-from .executables import demonstrate
+import sys
+
+from . import executables
 
 if __name__ == '__main__':
-    raise SystemExit(demonstrate())
+    chosen = 'demonstrate'
+    if sys.argv[1:2] and sys.argv[1] in {*executables.NODES, *executables.COMMANDS}:
+        chosen = sys.argv.pop(1)
+    raise SystemExit(getattr(executables, chosen)())

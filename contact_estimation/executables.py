@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """
-The executables, also as `python -m contact_estimation.executables NAME`.
+The executables, also as `python -m contact_estimation NAME`.
 
 Each imports its module only when it is called: an interruption of the import, which takes a second
 or two, ends without a traceback; nodes, which have opened nothing yet, end without a word.
@@ -11,7 +11,6 @@ or two, ends without a traceback; nodes, which have opened nothing yet, end with
 from importlib import import_module
 import os
 import signal
-import sys
 from typing import Any, Callable
 
 COMMANDS = {
@@ -48,11 +47,3 @@ def __getattr__(name: str) -> Callable[[], int]:
         return int(command.main())
 
     return main
-
-
-if __name__ == '__main__':
-    chosen = sys.argv.pop(1) if len(sys.argv) > 1 else ''
-    if chosen not in COMMANDS and chosen not in NODES:
-        print(f'expected one of {", ".join([*NODES, *COMMANDS])}, got {chosen!r}', file=sys.stderr)
-        raise SystemExit(1)
-    raise SystemExit(__getattr__(chosen)())

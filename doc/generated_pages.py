@@ -106,13 +106,13 @@ WARNINGS = '''# Warnings
 The node checks what it is given and says what is wrong, with the remedy: as the message of its
 status in `/diagnostics` (level WARN; the most important first, all of them as `warning_1`,
 `warning_2`, ...), in its log (at once, then every 10 s), and where a warning withholds estimates,
-in `~/status`. `replay` prints the warnings of a recording (`warnings` in its JSON), and ends with 1
-where nothing could be estimated. A silent wrench topic is level ERROR.
+in `~/status`. `replay` prints the warnings of a recording (`warnings` in its JSON), and its exit
+status is 1 if nothing could be estimated. A silent wrench topic is level ERROR.
 
 While a warning *withholds* estimates, the status is `frozen` in contact, the estimator learns
 nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
-Judgements use the last 2 s and depend on the samples alone. They are made twice a second from a touch on, and less
-often, but at least every 2 s, where nothing has been wrong for a while.
+The checks use the last 2 s and depend on the samples alone. They run twice a second from a touch on, and less often,
+but at least every 2 s, while they find nothing.
 `python -m contact_estimation.studies online --only healthy` counts false warnings in healthy worlds.
 
 ## Signals
@@ -131,10 +131,10 @@ DESCRIPTION = (
 )
 
 STABILITY = (
-    ('`stability`', 'the admittance has a phase margin of 20 deg, less than 45, on this wall (it '
-     'bears 3.2e+04 N/m); raise stability.damping (B_t) to 560 N s/m',
+    ('`stability`', 'the admittance has a phase margin of 20 deg, less than 45, on this wall '
+     '(stable to 3.2e+04 N/m); raise stability.damping (B_t) to 560 N s/m',
      'The gains of `stability.*` are too weak, or their delay too long, for K_e as estimated.',
-     'Change the gains of the controller; see [](stable_gains.md).', 'go on'),
+     'Change the gains of the controller; see [](stable_gains.md).', 'published'),
 )
 
 GRAPH = (
@@ -150,17 +150,17 @@ LIMITS = '''## What no check sees
 
 - A lag of a few milliseconds: `synchronisation.timing_std` stands for it in the deviation of B_hat.
 - A lag in a contact that moves little and slowly, until more motion comes: there a lag acts like
-  another damping and stiffness, or like a mass. A warning needs a chi-squared of 40 in two judgements
-  in a row, so that other physics is not taken for a lag. A lag of 50 ms, or of 5 ms in a quick
+  another damping and stiffness, or like a mass. A warning needs a chi-squared of 40 in two consecutive
+  checks, so that other physics is not taken for a lag. A lag of 50 ms, or of 5 ms in a quick
   touch-down, is found within 2 s.
 - A lag where the noise of positions or velocities hides the motion: regressions take that noise into account,
-  and where the motion is not clearly above it, nothing is said of lags.
+  and where the motion is not clearly above it, lags are not checked.
 - Which of two sources of one topic is right; and two sources whose levels are less than eight standard
   deviations of their noise apart.
-- When the zero of the sensor stepped within a contact: the free flights before and after bound it.
+- At what time within a contact the zero of the sensor stepped: the free flights before and after bound it.
 - A wall that is off by less than three `environment.location_std`: this is found and corrected
   where the motion shows it.
-- A joint that turns, taken for the contact axis, where `environment.location` is nan and no
+- A revolute joint taken for the contact axis, where `environment.location` is nan and no
   `robot_description` is published: its angles look like metres.
 - A force that is wrong by a factor, or in other units that still look like newtons.'''
 

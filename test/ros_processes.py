@@ -112,20 +112,20 @@ class Finished(NamedTuple):
     stderr: str
 
 
-class ModuleProcess:
-    """A module of the package, running as `python -m` would run it."""
+class Executable:
+    """An executable of the package in a process of its own."""
 
-    def __init__(self, folder: Path, module: str, *arguments: str) -> None:
+    def __init__(self, folder: Path, name: str, *arguments: str) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self._out, self._err = folder / 'stdout.txt', folder / 'stderr.txt'
         with open(self._out, 'w') as out, open(self._err, 'w') as err:
             self._process = subprocess.Popen(
-                [sys.executable, '-m', f'contact_estimation.{module}', *arguments],
+                [sys.executable, '-m', 'contact_estimation', name, *arguments],
                 env=environment(folder), cwd=folder, stdout=out, stderr=err,
                 pass_fds=() if _reservation is None else (_reservation.fileno(),))
         self.pid = self._process.pid
 
-    def __enter__(self) -> 'ModuleProcess':
+    def __enter__(self) -> 'Executable':
         return self
 
     def __exit__(self, *trouble: object) -> None:
@@ -156,13 +156,13 @@ class ModuleProcess:
         return Finished(code, self._out.read_text(), self._err.read_text())
 
 
-def run_module(folder: Path, module: str, *arguments: str) -> Finished:
-    """Run a module of the package to its end."""
-    with ModuleProcess(folder, module, *arguments) as process:
+def run_executable(folder: Path, name: str, *arguments: str) -> Finished:
+    """Run an executable of the package to its end."""
+    with Executable(folder, name, *arguments) as process:
         return process.end()
 
 
-def node_process(folder: Path, node: str, **parameters: Any) -> ModuleProcess:
+def node_process(folder: Path, node: str, **parameters: Any) -> Executable:
     """
     Start a node; double underscores stand for the dots of parameter names.
 
@@ -172,4 +172,4 @@ def node_process(folder: Path, node: str, **parameters: Any) -> ModuleProcess:
     named = {name.replace('__', '.'): value for name, value in parameters.items()}
     by_itself = node in ('plant_node', 'recorder_node')
     named = {**({} if by_itself else RELIABLE), **named}
-    return ModuleProcess(folder, f'ros.{node}', *parameter_arguments(named))
+    return Executable(folder, node, *parameter_arguments(named))

@@ -109,6 +109,14 @@ def test_no_law_is_exact_to_less_than_a_force_sensor_is(share: float, named: boo
     assert (found.score(law) > found.score(base)) is named
 
 
+def test_a_law_that_leaves_slow_residuals_is_not_exact() -> None:
+    found, law = evidence(scored(90.0)), scored(1.0, 'a')
+    slow = replace(law, white=False)
+    assert found.is_exact(law) and not found.is_exact(slow)
+    assert found.score(slow) == pytest.approx(
+        found.log_likelihoods(slow)[1].sum() + found.log_prior(slow))
+
+
 @pytest.mark.parametrize('rounding', [-1e-12, 0.0, 1e-12])
 def test_ties_follow_the_prior_order_and_share_their_weight(rounding: float) -> None:
     first, second = scored(5.0 * (1.0 + rounding), 'a'), scored(5.0, 'b')

@@ -6,7 +6,7 @@
 from dataclasses import replace
 
 from concealed_worlds import nominal, prepared_from, recorded
-from contact_estimation.diagnosis.held_out import by_part, errors_of, Part
+from contact_estimation.diagnosis.held_out import by_part, errors_of, HeldOutPart
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.parts import episodes, hold_out
@@ -91,10 +91,10 @@ def test_blocks_are_held_out_where_a_force_acts() -> None:
     assert samples.any() and not samples[late].any()
 
 
-def part_of(recalibrated: Array, corrected: Array) -> Part:
+def part_of(recalibrated: Array, corrected: Array) -> HeldOutPart:
     """Make a part with given squared errors, ten samples a block."""
     force = np.array([recalibrated, recalibrated, corrected])
-    return Part('part', force, np.full(len(recalibrated), 10.0), None, np.zeros(0))
+    return HeldOutPart('part', force, np.full(len(recalibrated), 10.0), None, np.zeros(0))
 
 
 def test_errors_are_root_mean_squares_over_all_parts() -> None:

@@ -54,6 +54,10 @@ def test_law_and_loss_are_named() -> None:
     assert law.family == 'elastic_law'
     assert loss.family in ('relaxation', 'friction')  # one loop, at one speed
     assert found.verdict == 'physics_missing'
+    assert found.compared is not None
+    compared = {one.key for one in found.compared.models}
+    best = found.compared.models[0].key
+    assert {best - {effect} for effect in best} <= compared  # each name against none
 
 
 @pytest.mark.slow
@@ -78,6 +82,24 @@ def test_a_short_way_back_on_which_the_force_is_lost_tells_that_it_yields() -> N
 
 ZERO, F_C, B_E, PERIOD = 250.0, 6.0, 600.0, 5.0
 LAW = 'coulomb_friction'
+
+
+def held(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> Signals:
+    """Return signals of what is not moved by a robot."""
+    return Signals(t, -force, t, x, np.empty(0), np.empty((4, 0)))
+
+
+def test_a_wall_that_snaps_through_has_an_elastic_law_and_no_resonance() -> None:
+    # Pressed at one speed, its force looks like an oscillation in time.
+    t = np.arange(4 * 20 * 100) / 100.0
+    x = 0.008 * np.interp(t % 20.0, (2.0, 10.0, 18.0), (-0.2, 1.0, -0.2))
+    d = np.maximum(x, 0.0) / 0.008
+    force = 300.0 * d - 750.0 * d**2 + 500.0 * d**3 + 3.0 * d * (1.0 - d)
+    force += np.random.default_rng(4).normal(0.0, 0.02, len(t))
+    model = nominal(environment__stiffness=2000.0, environment__damping=100.0)
+    found = diagnosed(held(t, x, force), model)
+    assert families(found) == {'elastic_law'}
+    assert found.effects[0].share > 0.95
 
 
 @lru_cache(maxsize=None)

@@ -9,7 +9,7 @@ from math import sin
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.candidates import candidates, Reach, scaling_test
+from contact_estimation.diagnosis.candidate_experiments import candidates, Reach, scaling_test
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.next_experiment import choose, reach_of
 from contact_estimation.diagnosis.result import Diagnosis

@@ -7,8 +7,11 @@ from math import isfinite, isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
+from contact_estimation.estimators import MULTIPLE_MODEL
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters import build
+from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
+from contact_estimation.pipeline.checks.check import AxisState, Evidence
 from contact_estimation.pipeline.checks.input_checks import CHECKS
 from contact_estimation.pipeline.checks.rejections import REJECTIONS
 from contact_estimation.pipeline.events import (
@@ -18,6 +21,9 @@ from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.stream_faults import courses_of
 from contact_estimation.studies import online_contacts
+from contact_estimation.studies.online_row import follow
+from contact_estimation.studies.online_worlds import Sensor, simulate, Wall
+from contact_estimation.studies.paths import cruise, start
 from core_runs import contact_samples
 import numpy as np
 import pytest
@@ -262,3 +268,30 @@ def test_friction_that_ends_with_a_press_is_told_as_no_skew() -> None:
     session, _ = fed(samples, sample_rate=100.0, conditioning__cutoff_frequency=0.0,
                      environment__location=nan)
     assert not {warned.name for warned in session.checks.warnings()} - {'surface_unchecked'}
+
+
+@pytest.mark.parametrize('late_s', [0.0, 0.009])
+def test_checks_use_a_measured_velocity_unless_a_driver_filters_it(late_s: float) -> None:
+    draw, t = np.random.default_rng(1), np.arange(0.0, 2.0, 0.002)
+    x = 2e-3 * np.sin(30.0 * t) + 4e-6 * draw.standard_normal(len(t))
+    v = 0.06 * np.cos(30.0 * (t - late_s)) + 3e-4 * draw.standard_normal(len(t))
+    seen = Evidence('x', EstimationParameters(), AxisState.of(EstimationPipeline()), t, x, v,
+                    np.zeros(len(t)), np.zeros(len(t), bool))
+    assert (seen.rate is v) == (late_s == 0.0)
+
+
+@pytest.mark.parametrize('stiffness, speed, v_noise, told, seed', [
+    (8000.0, 0.01, nan, 0.3, 5), (4000.0, 0.03, 1e-4, nan, 2)])
+def test_a_press_and_a_rest_tell_friction_and_no_skew(
+    stiffness: float, speed: float, v_noise: float, told: float, seed: int
+) -> None:
+    depth, wall = 32.0 / stiffness, Wall(stiffness, 0.016 * stiffness, 0.3, friction=2.0)
+    still = 1.0 + (0.005 + depth) / speed
+    world = simulate('', {'environment.location': told}, [
+        start(-0.005), cruise(1.0, still, speed, 0.1)], still + 2.5, wall,
+        Sensor(6e-4, noise=0.15, velocity_noise=v_noise), np.random.default_rng(seed))
+    trace = follow(world, MULTIPLE_MODEL)
+    assert 'stamp_skew' not in {name for _, name, _ in trace.warnings}
+    assert trace.laws[-1][1]['friction'] > 0.9
+    assert abs(trace.K[-1] - stiffness) < min(3.0 * trace.K_std[-1], 0.01 * stiffness)
+    assert abs(trace.B[-1] - wall.damping) < min(3.0 * trace.B_std[-1], 0.5 * wall.damping)

@@ -22,7 +22,7 @@ from contact_estimation.ros.loop_run import missing_estimates, plot_run, Recorde
 from layout_fields import CONFIG, of_foxglove, of_plotjuggler, RecordedFields
 import numpy as np
 import pytest
-from ros_processes import Finished, ModuleProcess, run_module, wait_until
+from ros_processes import Executable, Finished, run_executable, wait_until
 from run_commands import Command
 
 KEYS = [
@@ -64,7 +64,7 @@ def arguments(folder: Path, *more: str) -> list[str]:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp('loop')
     given = arguments(folder, '--duration', '2', '--seed', '4', '--lockstep')
-    return Run(folder / 'out', run_module(folder / 'log', 'commands.loop', *given))
+    return Run(folder / 'out', run_executable(folder / 'log', 'loop', *given))
 
 
 @pytest.mark.slow
@@ -142,7 +142,7 @@ def assert_kept(folder: Path, finished: Finished, text: str) -> None:
 @pytest.mark.slow
 def test_interrupt_leaves_a_readable_recording(tmp_path: Path) -> None:
     given = arguments(tmp_path, '--duration', '600')
-    with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:
+    with Executable(tmp_path / 'log', 'loop', *given) as process:
         wait_until(lambda: grown(tmp_path), 'a recording')
         process.signal(signal.SIGINT)
         assert_kept(tmp_path, process.end(), 'interrupted')

@@ -182,6 +182,7 @@ class Recorded:
     stiffness: float = 1e4
     duration: float = 1.0
     sample_period: float = 0.002
+    touch: float = 1.0
 
     def clips(self, limit: float) -> bool:
         """Return False."""

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from ros_messages import joint_state, moved, Vector3Stamped, wrench
 from ros_peer import estimator_and_peer, Peer, PERIOD_NS
-from ros_processes import ModuleProcess, node_process, wait_until_recorded
+from ros_processes import Executable, node_process, wait_until_recorded
 
 pytestmark = pytest.mark.slow
 
@@ -41,7 +41,7 @@ def biased(samples: list[ContactSample], begin_ns: int) -> list[ContactSample]:
 class Recording:
     """A recorder of what a peer and its estimator say, from `begin_ns` on."""
 
-    def __init__(self, peer: Peer, folder: Path, recorder: ModuleProcess) -> None:
+    def __init__(self, peer: Peer, folder: Path, recorder: Executable) -> None:
         self.recorder, self._peer, self._folder = recorder, peer, folder
         for name in VALUES[2:]:
             peer.listen(name, Vector3Stamped, f'{peer.name}/{name}')

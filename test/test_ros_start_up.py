@@ -9,7 +9,7 @@ from typing import Any
 from contact_estimation.parameters import specifications
 from contact_estimation.pipeline.parameters import EstimationParameters
 import pytest
-from ros_processes import Finished, parameter_arguments, run_module
+from ros_processes import Finished, parameter_arguments, run_executable
 
 pytestmark = pytest.mark.slow
 
@@ -34,19 +34,19 @@ def assert_one_line(finished: Finished, *parts: str) -> None:
 def test_wrong_parameter_ends_a_node_with_one_line(
     tmp_path: Path, node: str, parameters: dict[str, Any], parts: list[str]
 ) -> None:
-    finished = run_module(tmp_path, f'ros.{node}', *parameter_arguments(parameters))
+    finished = run_executable(tmp_path, node, *parameter_arguments(parameters))
     assert_one_line(finished, *parts)
 
 
 def test_unknown_parameter_in_a_file_names_the_nearest(tmp_path: Path) -> None:
     file = tmp_path / 'parameters.yaml'
     file.write_text('estimator_node: {ros__parameters: {tuning: {rls: {forgeting_factor: 0.9}}}}')
-    finished = run_module(tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file))
+    finished = run_executable(tmp_path, 'estimator_node', '--ros-args', '--params-file', str(file))
     assert_one_line(finished, "did you mean 'tuning.rls.forgetting_factor'")
 
 
 def test_help_of_the_estimator_node_lists_every_parameter(tmp_path: Path) -> None:
-    finished = run_module(tmp_path, 'ros.estimator_node', '--help')
+    finished = run_executable(tmp_path, 'estimator_node', '--help')
     assert (finished.code, finished.stderr) == (0, '')
     for spec in specifications(EstimationParameters):
         assert f'  {spec.name} = ' in finished.stdout
@@ -57,7 +57,7 @@ def test_help_of_the_estimator_node_lists_every_parameter(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize('node', ['plant_node', 'recorder_node'])
 def test_help_of_a_node_succeeds(tmp_path: Path, node: str) -> None:
-    finished = run_module(tmp_path, f'ros.{node}', '--help')
+    finished = run_executable(tmp_path, node, '--help')
     assert (finished.code, finished.stderr) == (0, '')
     assert finished.stdout.startswith(f'{node}: ')
     assert f'usage: {node} [--ros-args ' in finished.stdout

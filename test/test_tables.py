@@ -70,6 +70,8 @@ def test_columns_are_found_by_the_names_of_common_logs(
     'time,F,x\n01/31/2026 23:59:58.0,1.5,0.1\n01/31/2026 23:59:58.1,2.5,0.2\n',
     'time;F;x\n31.1.2026 23:59:59,9;1,5;0,1\n1.2.2026 00:00:00,0;2,5;0,2\n',
     'time,F,x\n23:59:58:000,1.5,0.1\n23:59:58:100,2.5,0.2\n',
+    'time,F,x\n1/31/2026 11:59:59.9 AM,1.5,0.1\n1/31/2026 12:00:00.0 PM,2.5,0.2\n',
+    'time,F,x\n59:59.9,1.5,0.1\n00:00.0,2.5,0.2\n',
     'header.stamp.sec,header.stamp.nanosec,F,x\n9,950000000,1.5,0.1\n10,50000000,2.5,0.2\n',
     'timestamp,F,x\n1700000000000,1.5,0.1\n1700000000100,2.5,0.2\n',
     'timestamp,F,x\n1700000000000000,1.5,0.1\n1700000000100000,2.5,0.2\n',
@@ -209,6 +211,16 @@ def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
     second = ce.read_table(tmp_path / 'a.mat', columns={
         't': 'log.t', 'wrench.force.z': 'log.Fz', 'joint.z': 'log.z'})
     np.testing.assert_equal(first, second)
+
+
+def test_structs_of_matlab_are_numbered(tmp_path: Path) -> None:
+    trials = np.array([(np.arange(3.0), 1.0 * np.arange(3)), (np.arange(3.0), 2.0 * np.arange(3))],
+                      [('t', object), ('Fz', object)])
+    savemat(tmp_path / 'a.mat', {'trial': trials, 'note': 'two'})
+    found = read_columns(tmp_path / 'a.mat')
+    assert list(found) == ['trial(1).t', 'trial(1).Fz', 'trial(2).t', 'trial(2).Fz']
+    assert found['trial(2).Fz'].tolist() == [0.0, 2.0, 4.0]
+    assert found.left_out == ['note']
 
 
 def test_decimals_durations_and_times_of_parquet_are_numbers(tmp_path: Path) -> None:

@@ -203,7 +203,3 @@ def _listed(values: Any, precision: str = '.2g') -> str:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -69,7 +69,3 @@ def _copy(reader: RecordingReader, source: RecordingSource, output: Path) -> str
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -43,7 +43,7 @@ _ESTIMATOR = {'estimator': 'kalman', 'reference_law': 'pass_through'}
 def make_parser() -> Parser:
     """Build the command line of the demonstration."""
     parser = Parser(
-        prog='python -m contact_estimation',
+        prog='demonstrate',
         description='Conceal an effect in the simulated plant, run the loop, diagnose the '
         'recording, run the loop again with the diagnosed effect compensated, and compare the '
         'estimates.')
@@ -52,7 +52,7 @@ def make_parser() -> Parser:
                         help='parameter file with the plant_node physics to conceal (default: '
                         'one effect chosen by the seed)')
     parser.add_argument('--seed', type=int, default=0,
-                        help='seed of the effect and of all noise (default: 0)')
+                        help='seed of the effect and of all noise (default: %(default)s)')
     return parser
 
 
@@ -102,9 +102,8 @@ def _diagnose(output: Path) -> dict[str, Any]:
 
 
 def _call(command: str, *arguments: str) -> None:
-    done = subprocess.run(
-        [sys.executable, '-m', f'contact_estimation.commands.{command}', *arguments],
-        stdout=subprocess.DEVNULL)
+    done = subprocess.run([sys.executable, '-m', 'contact_estimation', command, *arguments],
+                          stdout=subprocess.DEVNULL)
     if done.returncode:
         raise ContactEstimationError(
             f'{command} ended with exit code {done.returncode}, expected 0; see its message above')

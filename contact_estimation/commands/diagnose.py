@@ -68,7 +68,8 @@ def make_parser() -> Parser:
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all compared models with their cross-validation errors as '
                         'JSON')
-    parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (default: 0)')
+    parser.add_argument('--seed', type=int, default=0,
+                        help='seed of the bootstraps (default: %(default)s)')
     add_params_option(
         parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
         'physics.tool_inertia.mass) and force_sign; default: as recorded')
@@ -185,7 +186,3 @@ def _experiment_file(options: Any) -> str | None:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

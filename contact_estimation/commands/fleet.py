@@ -52,14 +52,16 @@ def make_parser() -> Parser:
                         '--scheduler, recordings at a time')
     parser.add_argument('--pooled', type=int, default=4, metavar='N',
                         help='recordings of each group that are also diagnosed together, spread '
-                        'over time, each predicted by the others; 0: none (4)')
+                        'over time, each predicted by the others; 0: none '
+                        '(default: %(default)s)')
     parser.add_argument('--no-pages', action='store_true',
                         help='skip the page of each recording; writing them takes a fifth of the '
                         'time')
     parser.add_argument('--most-samples', type=int, default=1_000_000, metavar='N',
                         help='diagnose at most the first N wrenches of a recording, which bounds '
-                        'the memory of a worker (1000000)')
-    parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (0)')
+                        'the memory of a worker (default: %(default)s)')
+    parser.add_argument('--seed', type=int, default=0,
+                        help='seed of the bootstraps (default: %(default)s)')
     add_params_option(
         parser, ', which overrides recorded parameters: for archives of other recorders')
     add_source_options(parser)
@@ -124,7 +126,3 @@ def _print(fleet: Fleet, folder: Path) -> None:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

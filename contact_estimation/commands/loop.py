@@ -41,11 +41,12 @@ def make_parser() -> Parser:
     parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
     parser.add_argument(
         '--experiment', default='sine', metavar='NAME|FILE.yaml',
-        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments')
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments '
+        '(default: %(default)s)')
     parser.add_argument(
         '--params', metavar='FILE',
         help='ROS 2 parameter file with sections estimator_node and plant_node')
-    parser.add_argument('--seed', type=int, help='seed of all noise')
+    parser.add_argument('--seed', type=int, help='seed of all noise (default: that of --params)')
     parser.add_argument(
         '--lockstep', action='store_true',
         help='let the plant wait for the answer to each sample; the run is then the same on a '
@@ -102,8 +103,7 @@ def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
         yield
         return
     watcher = subprocess.Popen(
-        [sys.executable, '-m', 'contact_estimation.commands.watch', str(recording), '--follow',
-         *words],
+        [sys.executable, '-m', 'contact_estimation', 'watch', str(recording), '--follow', *words],
         start_new_session=True, preexec_fn=lambda: os.nice(_NICENESS))
     try:
         yield
@@ -164,7 +164,3 @@ def _number(value: float | None, form: str = '.1f') -> str:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

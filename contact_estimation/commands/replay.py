@@ -132,7 +132,3 @@ def _open_files(options: Any, axes: str, stack: ExitStack) -> list[CsvEstimates 
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

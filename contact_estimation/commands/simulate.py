@@ -140,7 +140,3 @@ def _start(signals: RecordedSignals) -> tuple[float, float]:
 
 
 main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -34,8 +34,8 @@ def make_parser() -> Parser:
         'checks in Rerun: of a running estimator, or of a recording, which is replayed.',
         epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.')
     parser.add_argument('recording', metavar='RECORDING', nargs='?',
-                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT); '
-                        'default: the running estimator')
+                        help='an .mcap file, a rosbag2 folder or a table (CSV, Parquet, MAT) '
+                        '(default: the running estimator)')
     where = parser.add_mutually_exclusive_group()
     where.add_argument('--web', action='store_true',
                        help='serve a web page instead of opening a window')
@@ -43,7 +43,7 @@ def make_parser() -> Parser:
     parser.add_argument('--follow', action='store_true',
                         help='show the RECORDING while it is written, with its own estimates')
     parser.add_argument('--node', default='estimator_node', metavar='NAME',
-                        help='name of the running or recorded estimator (estimator_node)')
+                        help='name of the running or recorded estimator (default: %(default)s)')
     parser.add_argument(
         '--estimator', help='for a recording: one of ' + ', '.join(ONLINE_ESTIMATORS))
     add_params_option(parser, ', for a recording')
@@ -93,7 +93,9 @@ def _replay(options: Any, target: str) -> None:
     reader = RecordingReader(options.recording, source)
     replay = RecordingReplay(reader, source, replayed_parameters(options))
     progress = Progress('watch')
-    view = _opened(options, target)
+    view, shown = _opened(options, target)
+    if not options.save:
+        print(shown, flush=True)
     try:
         samples = show_recording(view, reader, source, replay, progress.show)
         if samples < 2:
@@ -107,6 +109,8 @@ def _replay(options: Any, target: str) -> None:
         raise
     progress.done()
     print(f'{samples} samples', flush=True)
+    if options.save:
+        print(shown)
     if view.serves:
         view.stream.flush()
         print('Ctrl-C ends', flush=True)
@@ -116,15 +120,17 @@ def _replay(options: Any, target: str) -> None:
 
 def _follow(options: Any, target: str) -> None:
     interrupted = _interrupted()
-    view = _opened(options, target, _FOLLOWED_S)
+    view, shown = _opened(options, target, _FOLLOWED_S)
+    print(shown, flush=True)
     follow_recording(view, Path(options.recording), options.node, interrupted)
     view.close()
 
 
-def _opened(options: Any, target: str, follow_s: float | None = None) -> ContactView:
+def _opened(
+    options: Any, target: str, follow_s: float | None = None
+) -> tuple[ContactView, str]:
     view = ContactView(Path(options.recording).name)
-    print(f'watch: {show(view, target, follow_s)}', flush=True)
-    return view
+    return view, f'watch: {show(view, target, follow_s)}'
 
 
 def _interrupted() -> Event:
@@ -145,7 +151,3 @@ def main(args: Sequence[str] | None = None) -> int:
         return made
 
     return command(parser, run)(words[:at])
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

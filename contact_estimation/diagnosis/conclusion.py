@@ -18,8 +18,8 @@ from .fit.left_out import predict
 from .fit.names import name, Named, parts, without_least
 from .fit.space import untried
 from .held_out import (
-    by_part, errors_of, improvement_interval, measure_part, Part, spared_of, weigh_by_held_out,
-    with_holdouts)
+    by_part, errors_of, HeldOutPart, improvement_interval, measure_part, spared_of,
+    weigh_by_held_out, with_holdouts)
 from .location import locate, Location
 from .next_experiment import advice, nearly, perhaps
 from .observe.model import Model
@@ -61,7 +61,7 @@ class _Tested(NamedTuple):
     recordings: Recordings
     base: Fit
     best: Fit
-    parts: list[Part]
+    parts: list[HeldOutPart]
     free_runs: dict[str, Array]
     force_error: float  # of the recalibrated model, on what is fitted [N]
     free_run_error: float  # the same [m]
@@ -74,7 +74,7 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
     base = seen.base if chosen.named else best
     models = (nominal, base.model, best.model)
     progress('held-out parts')
-    runs, parts = [_free_runs(one, models) for one in recordings], list[Part]()
+    runs, parts = [_free_runs(one, models) for one in recordings], list[HeldOutPart]()
     known = {id(one.observed): each for one, each in zip(recordings, runs)}
     for spared in spared_of(seen.holdouts, recordings, base.model):
         o = spared.recording.observed
@@ -272,7 +272,7 @@ class _Conclusion:
         return locate(self._shown.whole(model), model)  # it may be in the held-out part alone
 
     def _remainder(self, effects: Sequence[NamedEffect]) -> Remainder | None:
-        """Describe what all names leave on parts left out; None if that is noise."""
+        """Describe what all names leave on folds; None if that is noise."""
         left = min(1.0 - self._explained.share, 1.0)
         if not effects or left < SLIGHT:
             return None

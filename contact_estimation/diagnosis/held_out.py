@@ -22,7 +22,7 @@ _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
 
 
-class Part(NamedTuple):
+class HeldOutPart(NamedTuple):
     """A held-out part with the squared errors of the models on it."""
 
     name: str  # of the part
@@ -62,7 +62,7 @@ def weigh_by_held_out(seen: Seen) -> Seen:
 
 def measure_part(
     spared: Spared, models: Sequence[Model], runs: Sequence[Array] | None
-) -> Part:
+) -> HeldOutPart:
     """Measure the errors of models on one part."""
     name, recording, samples = spared
     o = recording.observed
@@ -78,8 +78,9 @@ def measure_part(
     motion = None
     if runs is not None:
         motion = np.array([_sums((o.raw_position - x) ** 2 * moved, span) for x in runs])
-    return Part(name, np.array([_sums(s, span) for s in squares]),
-                _sums(touching.astype(float), span), motion, _sums(moved.astype(float), span))
+    return HeldOutPart(name, np.array([_sums(s, span) for s in squares]),
+                       _sums(touching.astype(float), span), motion,
+                       _sums(moved.astype(float), span))
 
 
 def _resolved(recording: PreparedRecording, model: Model) -> Array:
@@ -97,7 +98,7 @@ def _sums(signal: Array, span: int) -> Array:
     return np.add.reduceat(signal, np.arange(0, len(signal), span))
 
 
-def errors_of(parts: Sequence[Part]) -> tuple[Errors, Errors]:
+def errors_of(parts: Sequence[HeldOutPart]) -> tuple[Errors, Errors]:
     """Compute the root-mean-square errors over all parts."""
     force = sum(part.force.sum(axis=1) for part in parts)
     count = sum(float(part.samples.sum()) for part in parts)
@@ -113,13 +114,13 @@ def _errors(sums: Array | int, count: float) -> Errors:
     return Errors(*(float(np.sqrt(value / count)) for value in sums))
 
 
-def by_part(parts: Sequence[Part]) -> list[HeldOutErrors]:
+def by_part(parts: Sequence[HeldOutPart]) -> list[HeldOutErrors]:
     """List the errors part by part; parameters as `errors_of`."""
     return [HeldOutErrors(part.name, *errors_of([part])) for part in parts]
 
 
 def improvement_interval(
-    parts: Sequence[Part], generator: np.random.Generator
+    parts: Sequence[HeldOutPart], generator: np.random.Generator
 ) -> tuple[float, float] | None:
     """Bootstrap 1 - corrected / recalibrated over blocks of time, paired."""
     force = np.concatenate([part.force for part in parts], axis=1)

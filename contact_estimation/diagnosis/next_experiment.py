@@ -15,7 +15,7 @@ from typing import Collection, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .candidates import Candidate, candidates, Reach, scaling_test
+from .candidate_experiments import Candidate, candidates, Reach, scaling_test
 from .checks.check import LISTED
 from .fit.discrepancy import discounted
 from .fit.evidence import Evidence, explained, of_families, ranked_by, Scored, ZEROS

@@ -49,11 +49,11 @@ class NamedEffect:
         That the family is the right one, calibrated on worlds of foreign laws.
     share : float
         Part of the recalibrated model's squared misfit above the noise that the effect takes away
-        on parts of the recordings that neither model was fitted on.
+        on folds that neither model was fitted on.
     share_interval : tuple of float
-        95 % interval, over the parts.
+        95 % interval, over the folds.
     parts : list of EffectOnPart
-        Part by part.
+        Fold by fold.
     parameters : dict of str to Value
         Fitted.
     indistinguishable_from : list of str
@@ -83,7 +83,7 @@ class NamedEffect:
 class Remainder:
     """What all named effects together leave."""
 
-    share: float  # of the recalibrated model's squared misfit above the noise, on parts left out
+    share: float  # of the recalibrated model's squared misfit above the noise, on folds
     location: Location  # of the misfit of the corrected model
     text: str  # in words
 
@@ -149,7 +149,7 @@ class Diagnosis:
     improvement : tuple of float or None
         95 % interval of 1 - corrected / recalibrated.
     holdouts : list of HeldOutErrors
-        Part by part.
+        Fold by fold.
     next_experiment : str
         Recommendation; '' if no question is open.
     rivals : dict of str to Model
@@ -178,7 +178,7 @@ class Diagnosis:
         Which law comes near where none explains, or may be missing beside those that are named;
         '' if none does.
     compared : Compared, optional
-        All models that were compared, with their errors on parts left out.
+        All models that were compared, with their errors on folds left out.
 
     """
 
@@ -213,7 +213,7 @@ class Diagnosis:
 
     @property
     def refused(self) -> bool:
-        """Whether something must be put right before anything can be diagnosed."""
+        """Whether a check refuses the recordings: nothing is diagnosed."""
         return any(check.fatal for check in self.checks)
 
     @property

@@ -57,10 +57,13 @@ def offset_of(topic: str, raw: Sequence[Recording], lawful: Scored) -> Offset | 
     offset = Offset(topic, 0.0)
     for _ in range(_STEPS):
         offset = _closer(raw, lawful, offset)
-    # A wrench that is late is what a sensor with a delay measures, an effect of the library.
     late = offset.seconds > 0.0
+    # A wrench that is late is what a sensor with a delay measures, an effect of the library, and
+    # so are joints that are early, unless a reference tells which of the two is off.
+    commanded = all(one.observed.reference is not None for one in lawful.found.recordings)
     least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
-    if abs(offset.seconds) < least or late and topic == 'wrench':
+    is_delay = late if topic == 'wrench' else not late and not commanded
+    if abs(offset.seconds) < least or is_delay:
         return None
     found = minimize_scalar(
         lambda share: fit(_shifted(raw, lawful, offset._replace(

@@ -44,8 +44,8 @@ class BeatingEnvironment(ContactEffect):
         return (MovingEnvironment(self.amplitude, self.frequency, self.phase),
                 MovingEnvironment(self.amplitude_2, self.frequency_2, self.phase_2))
 
-    def is_flexible(self, duration: float) -> bool:
-        return min(self.frequency, self.frequency_2) * duration < MANY_PERIODS
+    def is_flexible(self, seen: Seen) -> bool:
+        return min(self.frequency, self.frequency_2) * seen.duration < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
         """Need periods, and one that the tones gain on one another (Rayleigh's criterion)."""

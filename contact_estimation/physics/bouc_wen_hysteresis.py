@@ -8,7 +8,7 @@ import numpy as np
 
 from .law import (
     Any, Array, ContactEffect, dataclass, Flags, Generator, log_uniform, Motion, motion_of, Need,
-    Number, optional_parameter, path_of, Prior, Scales, State, Strength, stretches)
+    Number, optional_parameter, path_of, Prior, Scales, Seen, State, Strength, stretches)
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear
@@ -104,7 +104,7 @@ class BoucWenHysteresis(ContactEffect):
         """Return whether the branch yields, and not many times as fast on the way back."""
         return self.beta > 0.0 and self.gamma > -_STEEPEST * self.beta
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Is one that gives energy: |gamma| > beta (Erlicher and Point 2004)."""
         return abs(self.gamma) > self.beta
 

@@ -45,6 +45,10 @@ class Seen(Protocol):
     duration: float  # [s]
     sample_period: float  # [s]
 
+    @property
+    def touch(self) -> float:
+        """Return the duration of the longest contact [s]."""
+
     def clips(self, limit: float) -> bool:
         """Return whether the measured force is level where a sensor would clip it [N]."""
 
@@ -136,8 +140,8 @@ class Effect(ParameterGroup):
         """Return whether a recording may show the effect, or only something that looks like it."""
         return True
 
-    def is_flexible(self, duration: float) -> bool:
-        """Return whether it fits almost any misfit of its kind in a recording [s], as no law."""
+    def is_flexible(self, seen: Seen) -> bool:
+        """Return whether it fits almost any misfit of its kind in a recording, as no law."""
         return False
 
     def vanishes(self) -> bool:

@@ -67,13 +67,13 @@ class EnvironmentResonance(ContactEffect):
         y, p = (lfilter(row, system.denominator, moved) for row in rows)
         return np.array([y - moved, p + damping * moved])
 
-    def is_flexible(self, duration: float) -> bool:
-        return self.frequency * duration < MANY_PERIODS
+    def is_flexible(self, seen: Seen) -> bool:
+        return self.frequency * seen.touch < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
         """Need a period, and samples in it: else it is the course of the force alone."""
         fastest = _RESOLVED / seen.sample_period
-        return 1.0 / seen.duration <= self.frequency <= fastest
+        return 1.0 / seen.touch <= self.frequency <= fastest
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:

@@ -9,7 +9,7 @@ import numpy as np
 from .force_lag import ForceLag
 from .law import (
     Array, dataclass, ForceSensorEffect, Generator, log_uniform, optional_parameter, Prior, Reader,
-    Scales, Strength)
+    Scales, Seen, Strength)
 
 _FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording
@@ -58,11 +58,11 @@ class ForceCreep(ForceSensorEffect):
     def is_possible(self, stiffness: float, damping: float) -> bool:
         return self.tau > _FASTEST_S and self.share < 1.0
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Is one that is still going on at the end, or small."""
         # A zero that settles looks like the one, and what friction, hum and a warming sensor leave
         # like the other.
-        return self.tau > _LONGEST * duration or self.share < _USUAL
+        return self.tau > _LONGEST * seen.duration or self.share < _USUAL
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:

@@ -1,7 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from .law import Any, dataclass, ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales
+from .law import (
+    Any, dataclass, ForceSensorEffect, Need, Number, optional_parameter, Prior, Scales, Seen)
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class ForceDrift(ForceSensorEffect):
     def undo(self, t: Number, measured: Number) -> Number:
         return measured - self.rate * t
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         return True
 
     @classmethod

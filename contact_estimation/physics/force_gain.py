@@ -34,7 +34,7 @@ class ForceGain(ForceSensorEffect):
     def may_show(self, seen: Seen) -> bool:
         return abs(self.gain - 1.0) >= CALIBRATED
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Is always one: it lets force and motion each have a wall of its own."""
         return True
 

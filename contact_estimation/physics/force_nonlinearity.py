@@ -20,7 +20,8 @@ class ForceNonlinearity(ForceSensorEffect):
     """
 
     bend: float = optional_parameter('Change of the sensitivity per force', '1/N')
-    gain: float = optional_parameter('Sensitivity to small forces', '1', minimum=0.01, neutral=1.0)
+    gain: float = optional_parameter(
+        'Sensitivity to small forces', '1', minimum=0.01, neutral=1.0, linear=True)
 
     equation = 'F_measured = F_e (gain + bend |F_e|)'
     family = 'sensor_gain'
@@ -43,7 +44,7 @@ class ForceNonlinearity(ForceSensorEffect):
         small = self.gain - 1.0
         return max(abs(small), abs(small + self.bend * seen.force)) > CALIBRATED
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Is always one: it lets force and motion each have a wall of its own."""
         return True
 

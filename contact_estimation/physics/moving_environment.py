@@ -30,8 +30,8 @@ class MovingEnvironment(ContactEffect):
         angle = omega * t + self.phase
         return self.amplitude * m.sin(angle), self.amplitude * omega * m.cos(angle)
 
-    def is_flexible(self, duration: float) -> bool:
-        return self.frequency * duration < MANY_PERIODS
+    def is_flexible(self, seen: Seen) -> bool:
+        return self.frequency * seen.duration < MANY_PERIODS
 
     def may_show(self, seen: Seen) -> bool:
         """Need a period: what is slower is any curve."""

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 from .law import (
-    Any, ContactEffect, dataclass, Generator, Number, optional_parameter, Prior, Scales, Strength)
+    Any, ContactEffect, dataclass, Generator, Number, optional_parameter, Prior, Scales, Seen,
+    Strength)
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class PolynomialStiffness(ContactEffect):
     """
 
     K_2: float = optional_parameter('Stiffness that grows with the depth', 'N/m^2')
-    K_3: float = optional_parameter('Stiffness that grows with its square', 'N/m^3')
+    K_3: float = optional_parameter('Stiffness that grows with its square', 'N/m^3', linear=True)
 
     equation = 'F_e -= K_2 d |d| + K_3 d^3'
     family = 'elastic_law'
@@ -23,7 +24,7 @@ class PolynomialStiffness(ContactEffect):
     def elastic(self, d: Number, m: Any) -> Number:
         return (self.K_2 * abs(d) + self.K_3 * d * d) * d
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Return True: two powers of the depth follow any elastic misfit."""
         return True
 

@@ -27,7 +27,7 @@ class SettlingBias(ForceSensorEffect):
     def undo(self, t: Number, measured: Number) -> Number:
         return measured - self.bias - self.change * np.exp(-t / self.tau)
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         return True
 
     def may_show(self, seen: Seen) -> bool:

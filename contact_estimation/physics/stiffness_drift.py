@@ -1,7 +1,8 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-from .law import Any, ContactEffect, dataclass, Need, Number, optional_parameter, Prior, Scales
+from .law import (
+    Any, ContactEffect, dataclass, Need, Number, optional_parameter, Prior, Scales, Seen)
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class StiffnessDrift(ContactEffect):
     def deflection(self, t: Number, d: Number, m: Any) -> Number:
         return d * (1.0 + self.rate * t)
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         return True
 
     @classmethod

@@ -7,7 +7,7 @@ import numpy as np
 
 from .law import (
     Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, Prior, Scales,
-    State, stretches)
+    Seen, State, stretches)
 
 REPELS = 0.1
 """Share of a branch by which the spring beside it may repel, by the error of a fit."""
@@ -76,8 +76,8 @@ class ViscoelasticRelaxation(ContactEffect):
     def is_possible(self, stiffness: float, damping: float) -> bool:
         return stiffness >= -REPELS * self.K_1
 
-    def is_flexible(self, duration: float) -> bool:
-        return self.tau > duration
+    def is_flexible(self, seen: Seen) -> bool:
+        return self.tau > seen.duration
 
     @classmethod
     def prior(cls, scales: Scales) -> Prior:

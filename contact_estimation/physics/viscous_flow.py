@@ -7,7 +7,7 @@ import numpy as np
 
 from .law import (
     Any, Array, ContactEffect, dataclass, Flags, Need, Number, optional_parameter, positive, Prior,
-    Scales, State, stretches)
+    Scales, Seen, State, stretches)
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class ViscousFlow(ContactEffect):
                 receded = float(u[first - 1])
         return u[None, :]
 
-    def is_flexible(self, duration: float) -> bool:
+    def is_flexible(self, seen: Seen) -> bool:
         """Is one: whatever makes later contacts weaker fits."""
         return True
 

@@ -140,8 +140,12 @@ def _of_arrays(arrays: Any, prefix: str = '') -> Columns:
     """Return the columns of nested arrays, those of the most common length."""
     found = Columns()
     for name, value in arrays.items():
-        if isinstance(value, dict):
-            inner = _of_arrays(value, f'{prefix}{name}.')
+        inside, within = value, f'{prefix}{name}.'
+        if isinstance(value, list) or getattr(value, 'dtype', None) == object:  # of structs
+            each = value if isinstance(value, list) else value.ravel()
+            inside, within = {f'{name}({k})': one for k, one in enumerate(each, 1)}, prefix
+        if isinstance(inside, dict):
+            inner = _of_arrays(inside, within)
             found.update(inner)
             found.left_out += inner.left_out
             continue

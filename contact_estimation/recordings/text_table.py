@@ -43,9 +43,9 @@ _THOUSANDS = re.compile(r'\s*[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+\s*')
 _LIST = re.compile(r'\s*[\[(](\s*[-+.\d][^\[\]()]*)[\])]\s*')
 _MISSING = {'', '-', '--', '?', 'na', 'n/a', '#n/a', 'null', 'none'}  # NaN is a number
 _TIME = re.compile(
-    # Of a date in another order than ISO's, the time of day counts.
-    r'(?:(\d{4}-\d\d-\d\d)|\d+[./-]\d+[./-]\d+)?[T ]?(\d\d:\d\d:\d\d(?:[.,:]\d+)?) ?'
-    r'(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?')
+    # Of a date in another order than ISO's, the time of day counts; a time may have no hours.
+    r'(?:(?:(\d{4}-\d\d-\d\d)|\d+[./-]\d+[./-]\d+)[T ]?(?=\d\d?:\d\d:))?(?:(\d\d?):(?=\d\d:))?'
+    r'(\d\d?):(\d\d(?:[.,:]\d+)?) ?(?:([AP])\.?M\.?)?(?:Z|UTC|[+-]\d\d(?::?\d\d)?)?', re.I)
 
 
 def read_text(path: Path) -> Columns:
@@ -178,7 +178,7 @@ def _are_units(names: Sequence[str], row: Sequence[str]) -> bool:
 
 def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) -> Columns:
     """Read rows of any cells; a list in a cell, such as [1, 2], makes columns NAME_0, NAME_1."""
-    found, odd, sizes, of_day = [], dict[str, tuple[int, str]](), None, set[str]()
+    found, odd, sizes, periods = [], dict[str, tuple[int, str]](), None, dict[str, float]()
     for row in rows:
         if not any(cell.strip() for cell in row) or row[0].startswith(('#', '%')):
             continue
@@ -187,8 +187,8 @@ def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) ->
         if sizes is None:
             sizes = [0 if own is None else len(own) for own in lists]
             sizes += [0] * (len(names) - len(lists))
-            of_day = {name for name, cell in zip(names, row)
-                      if (time := _TIME.fullmatch(cell.strip())) and not time[1]}
+            periods = {name: 86400.0 if time[2] else 3600.0 for name, cell in zip(names, row)
+                       if (time := _TIME.fullmatch(cell.strip())) and not time[1]}
         numbers: list[float | None] = []
         for name, cell, own, size in zip(names, row, lists, sizes):
             cells = (own or [])[:size] if size else [cell]
@@ -204,9 +204,9 @@ def _cell_by_cell(rows: Iterator[list[str]], names: Sequence[str], mark: str) ->
         values[:len(numbers)] = [np.nan if number is None else number for number in numbers]
     columns = Columns(zip(wide, table.T))
     columns.odd = odd
-    for name in of_day & set(columns):  # they begin again at midnight
+    for name in periods.keys() & columns.keys():  # they begin again at midnight, or the hour
         known = np.isfinite(columns[name])
-        columns[name][known] = np.unwrap(columns[name][known], period=86400.0)
+        columns[name][known] = np.unwrap(columns[name][known], period=periods[name])
     return columns
 
 
@@ -243,11 +243,22 @@ def _number(cell: str, mark: str) -> float | None:
     try:
         return float(re.sub(r'(?<=[\d.])[dD](?=[+-]?\d)', 'e', text))  # Fortran's exponent
     except ValueError:
-        match = _TIME.fullmatch(cell.strip())
+        return _seconds(cell.strip())
+
+
+def _seconds(text: str) -> float | None:
+    """Return the seconds of a time, of a day if it has a date."""
+    match = _TIME.fullmatch(text)
     if not match:
         return None
-    try:
-        day, time = match[1] or '1970-01-01', f'{match[2][:8]}.{match[2][9:] or 0}'
-        return 1e-9 * float(np.datetime64(f'{day}T{time}', 'ns').astype(np.int64))
-    except ValueError:  # 25:00
+    day, hour, minute, second, half = match.groups()
+    if hour is None and second.isdigit():  # hours and minutes
         return None
+    hours = int(hour or 0) % 12 + 12 * (half in 'Pp') if half else int(hour or 0)
+    try:
+        date = np.datetime64(day or '1970-01-01', 'D').astype(int)
+    except ValueError:
+        return None
+    known = hours < 24 and int(minute) < 60
+    seconds = float(re.sub('[,:]', '.', second))
+    return 86400.0 * date + 3600.0 * hours + 60.0 * int(minute) + seconds if known else None

@@ -302,7 +302,7 @@ class StabilityWatch:
         what = 'may be unstable' if not gains.stable else (
             f'has a phase margin of {gains.least_phase_margin:.3g} deg, less than '
             f'{robot.phase_margin:g},')
-        return (f'the {robot.kind} {what} on this wall (it bears {gains.stiffest_wall:.3g} N/m); '
+        return (f'the {robot.kind} {what} on this wall (stable to {gains.stiffest_wall:.3g} N/m); '
                 f'{remedy}')
 
 

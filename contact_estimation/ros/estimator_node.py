@@ -278,7 +278,3 @@ class EstimatorNode(Node):
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node until it is interrupted."""
     return run_node(EstimatorNode, PURPOSE, all_specifications(), args, topics.WRENCH)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

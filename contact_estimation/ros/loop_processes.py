@@ -141,8 +141,8 @@ class LoopProcesses:
                        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         self._processes = {
             name: subprocess.Popen(
-                [sys.executable, '-m', 'contact_estimation.executables', name, '--ros-args',
-                 '--log-level', 'error', '--params-file', str(parameters)],
+                [sys.executable, '-m', 'contact_estimation', name, '--ros-args', '--log-level',
+                 'error', '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL)
             for name in ('recorder_node', 'estimator_node', 'plant_node')
         }

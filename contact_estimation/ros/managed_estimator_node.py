@@ -88,7 +88,3 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node until it is shut down or interrupted."""
     return run_node(ManagedEstimatorNode, PURPOSE, all_specifications(), args, WRENCH)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

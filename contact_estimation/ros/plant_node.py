@@ -202,7 +202,3 @@ class PlantNode(Node):
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node until its experiment is over or it is interrupted."""
     return run_node(PlantNode, PURPOSE, all_specifications(), args)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -211,7 +211,3 @@ def main(args: Sequence[str] | None = None) -> int:
     """Record until interrupted."""
     known: Any = list(specifications(RecorderParameters))
     return run_node(RecorderNode, PURPOSE, known, args, topics.WRENCH)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -90,7 +90,3 @@ def main(args: Sequence[str] | None = None) -> int:
         os.nice(_NICENESS)
     known: Any = list(specifications(WatchParameters))
     return run_node(WatchNode, PURPOSE, known, args, topics.WRENCH)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -225,12 +225,15 @@ def make_parser() -> Parser:
     parser.add_argument('--output', required=True, metavar='DIR',
                         help='new folder for recordings, arms.md and pictures')
     parser.add_argument('--seeds', type=int, default=5,
-                        help='diagnoses of each concealed effect on each arm (5)')
+                        help='diagnoses of each concealed effect on each arm '
+                        '(default: %(default)s)')
     parser.add_argument('--concealed', type=int, default=0, metavar='N',
                         help='instead, diagnose N worlds on a planar arm, panda and ur5, in '
                         'which a law of a joint, a link or a sensor of torque is concealed from '
-                        'diagnose --nominal-robot (0); an interrupted study resumes')
-    parser.add_argument('--seed', type=int, default=0, help='of --concealed (0)')
+                        'diagnose --nominal-robot (default: %(default)s); an interrupted '
+                        'study resumes')
+    parser.add_argument('--seed', type=int, default=0,
+                        help='of --concealed (default: %(default)s)')
     return parser
 
 

@@ -40,14 +40,15 @@ def make_parser() -> Parser:
         'Markdown table: median / 90 % of errors, and how often the truth is within 2 standard '
         'deviations.')
     parser.add_argument('--only', nargs='+', metavar='ROW', choices=tuple(ROWS),
-                        help=f'any of {", ".join(ROWS)} (all)')
+                        help=f'any of {", ".join(ROWS)} (default: all)')
     parser.add_argument('--estimator', choices=tuple(ONLINE_ESTIMATORS), default=MULTIPLE_MODEL,
-                        help=f'whose estimates are measured, with defaults ({MULTIPLE_MODEL})')
+                        help='whose estimates are measured, with defaults (default: %(default)s)')
     parser.add_argument('--json', metavar='FILE', help='write the summary and every world as JSON')
     parser.add_argument('--quick', action='store_true', help='fewer worlds')
-    parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
+    parser.add_argument('--seed', type=int, default=0, help='of all worlds (default: %(default)s)')
     parser.add_argument('--jobs', type=int, default=1, metavar='N',
-                        help='number of parallel processes (1); more need Dask (extra fleet)')
+                        help='number of parallel processes (default: %(default)s); more need Dask '
+                        '(extra fleet)')
     return parser
 
 

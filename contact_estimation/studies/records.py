@@ -122,7 +122,8 @@ def make_parser() -> Parser:
     parser.add_argument('folder', metavar='FOLDER', help='folder of the records')
     parser.add_argument('--output', metavar='FILE.md', help='write the table')
     parser.add_argument('--jobs', type=int, default=1,
-                        help='number of parallel diagnoses (1); more need Dask (extra fleet)')
+                        help='number of parallel diagnoses (default: %(default)s); more need Dask '
+                        '(extra fleet)')
     return parser
 
 

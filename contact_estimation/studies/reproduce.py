@@ -83,11 +83,12 @@ def make_parser() -> Parser:
         'in the paper.')
     parser.add_argument(
         '--seeds', type=int, default=20,
-        help='runs of each case (20); at most 10 on the testbed, as in the paper')
+        help='runs of each case (default: %(default)s); at most 10 on the testbed, as in the '
+        'paper')
     parser.add_argument('--json', metavar='FILE', help='write the table as JSON')
     parser.add_argument('--output', metavar='DIR', help='plot the figures as PNG into this folder')
     parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1,
-                        help='number of parallel processes (all processors)')
+                        help='number of parallel processes (default: one for each processor)')
     return parser
 
 
@@ -107,6 +108,3 @@ def run(options: Any) -> int:
 
 
 main = command(make_parser, run)
-
-if __name__ == '__main__':
-    raise SystemExit(main())

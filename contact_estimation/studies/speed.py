@@ -239,12 +239,12 @@ def make_parser() -> Parser:
         'echoes, replay against rosbags deserialising the same file. Other load on the machine '
         'affects all times; the ratios are the most robust.')
     parser.add_argument('which', nargs='*', metavar='BENCHMARK',
-                        help=f'any of {", ".join(BENCHMARKS)} (all)')
+                        help=f'any of {", ".join(BENCHMARKS)} (default: all)')
     parser.add_argument('--json', metavar='FILE', help='write all results as JSON')
     parser.add_argument('--estimator', choices=ONLINE_ESTIMATORS, default=MULTIPLE_MODEL,
-                        help=f'estimator of the node ({MULTIPLE_MODEL})')
+                        help='estimator of the node (default: %(default)s)')
     parser.add_argument('--recording', metavar='RECORDING',
-                        help='replay this, with wrench and joint_states (a simulated one)')
+                        help='replay this (default: a simulated one)')
     return parser
 
 

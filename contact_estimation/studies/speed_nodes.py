@@ -17,7 +17,7 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 import time
-from typing import Any
+from typing import Any, Sequence
 
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
@@ -34,8 +34,8 @@ from ..ros.loop_processes import end_process
 
 _RATES = (500.0, 1000.0)
 _RUN_S, _ROUNDS = 15.0, 2
-_MODULES = {'echo': 'contact_estimation.studies.speed_nodes',
-            'estimator': 'contact_estimation.ros.estimator_node'}
+_NODES = {'echo': ('contact_estimation.studies.speed_nodes',),
+          'estimator': ('contact_estimation', 'estimator_node')}
 _SAMPLING_S, _TIMEOUT_S, _END_TIMEOUT_S = 0.05, 60.0, 5.0
 
 
@@ -75,13 +75,13 @@ def compared_nodes(estimator: str) -> list[dict[str, Any]]:
     """Alternate echo and estimator: ratios of the same round, medians over the rounds."""
     table = []
     for rate in _RATES:
-        runs = [[_run_once(node, rate, estimator) for node in _MODULES] for _ in range(_ROUNDS)]
+        runs = [[_run_once(node, rate, estimator) for node in _NODES] for _ in range(_ROUNDS)]
         row: dict[str, Any] = {'rate [Hz]': rate}
         for name in ('CPU [%]', 'p50 [ms]', 'p99 [ms]'):
             row[name] = median(own[name] for _, own in runs)
             row[f'{name.partition(" ")[0]}/echo'] = median(
                 own[name] / max(echo[name], 1e-9) for echo, own in runs)
-        for k, node in enumerate(_MODULES):
+        for k, node in enumerate(_NODES):
             row[f'dropped, {node}'] = (sum(pair[k]['lost'] for pair in runs)
                                        / sum(pair[k]['sent'] for pair in runs))
         table.append(row)
@@ -93,8 +93,8 @@ def _run_once(node: str, rate: float, estimator: str) -> dict[str, float]:
     with TemporaryDirectory() as folder:
         summary = Path(folder) / 'plant.json'
         own = [f'estimator:={estimator}'] if node == 'estimator' else []
-        tested = _started(_MODULES[node], f'sample_rate:={rate:.1f}', *own)
-        plant = _started('contact_estimation.ros.plant_node', f'sample_rate:={rate:.1f}',
+        tested = _started(_NODES[node], f'sample_rate:={rate:.1f}', *own)
+        plant = _started(('contact_estimation', 'plant_node'), f'sample_rate:={rate:.1f}',
                          f'duration:={_RUN_S:.3f}', 'repeat:=true', 'subscribers:=1',
                          f'summary_file:={summary}')
         try:
@@ -115,12 +115,12 @@ def _run_once(node: str, rate: float, estimator: str) -> dict[str, float]:
             'sent': found['samples_sent'], 'lost': found['samples_lost']}
 
 
-def _started(module: str, *parameters: str) -> subprocess.Popen[bytes]:
+def _started(module: Sequence[str], *parameters: str) -> subprocess.Popen[bytes]:
     """Start a node in a ROS domain free of other traffic."""
     environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
                    'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)}
     options = [word for parameter in parameters for word in ('-p', parameter)]
-    return subprocess.Popen([sys.executable, '-m', module, '--ros-args', *options],
+    return subprocess.Popen([sys.executable, '-m', *module, '--ros-args', *options],
                             env=environment, start_new_session=True, stdout=subprocess.DEVNULL)
 
 

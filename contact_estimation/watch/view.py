@@ -211,7 +211,7 @@ def show(view: ContactView, target: str, follow_s: float | None = None) -> str:
             text = f'no display; {text}'
     else:
         view.stream.save(target, default_blueprint=layout)
-        text = f'writing {target}; open it with: rerun {target}'
+        text = f'{target}, open it with: rerun {target}'
     view.stream.send_blueprint(layout)
     view.style()
     return text

@@ -74,7 +74,7 @@ class Examined(NamedTuple):
 
     @property
     def refused(self) -> bool:
-        """Whether something must be put right before anything can be diagnosed."""
+        """Whether a check refuses the recordings: nothing is diagnosed."""
         return any(one.fatal for one in self.checks)
 
     @property
@@ -86,7 +86,7 @@ class Examined(NamedTuple):
 def examine(
     recordings: Sequence[Recording], model: PlantParameters, fitted: int | None = None
 ) -> Examined:
-    """Check recordings for wrong use; put right what is beyond doubt."""
+    """Check recordings for wrong use; correct what is beyond doubt."""
     several = len(recordings) > 1
     alone = (len(recordings) if fitted is None else fitted) == 1
     found = [check(recording, model, alone) for recording in recordings]
@@ -99,7 +99,7 @@ def examine(
 def check(
     recording: Recording, model: PlantParameters, alone: bool = True
 ) -> tuple[list[Check], Recording]:
-    """Check one recording, fitted `alone` or not; return what is to be fitted, put right."""
+    """Check one recording, fitted `alone` or not; return what is to be fitted, corrected."""
     check_signals(recording.signals)
     evidence = Evidence(recording.signals, model, recording)
     checks: list[Check] = []
@@ -107,7 +107,7 @@ def check(
         missing = [one for one in checks
                    if one.name in test.after and (one.fatal or not one.tested)]
         if missing:
-            checks.append(Check(name, True, f'not tested before {missing[0].name} is put right',
+            checks.append(Check(name, True, f'not tested until {missing[0].name} is fixed',
                                 tested=False))
             continue
         if test.alone and not alone:

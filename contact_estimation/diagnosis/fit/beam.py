@@ -33,7 +33,7 @@ class Space(Protocol):
         """Return pairs of laws of which one acts on the other that fit better than a model."""
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Return models with a law of its family, or the likeliest, in the place of each law."""
+        """Return models without each effect, and with another law in the place of each law."""
 
     def to_the_end(self, one: Scored) -> Scored | None:
         """Fit a model to the end; None if its values are not possible."""
@@ -85,8 +85,12 @@ def search(
     if lawful and not first.laws and not evidence.is_exact(first):
         # An inexact law may not be worth its prior where an exact one beside it is.
         first = ranked_by(lawful, lambda one: -evidence.log_likelihoods(one)[0].sum())[0]
-    for sibling in space.siblings(first):
-        _keep(evidence, pool, sibling)
+    for _ in range(_DEEP):
+        for sibling in space.siblings(first):
+            _keep(evidence, pool, sibling)
+        before, first = first, evidence.ranked(pool.values())[0]
+        if first.key in (before.key, evidence.base.key):
+            break
     return Compared(evidence, evidence.ranked(pool.values()))
 
 
@@ -112,7 +116,7 @@ def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored | 
 
 def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
     """Return whether a law that explained all that is left would pay, and come near the best."""
-    perfect = replace(one, left_out=np.minimum(one.left_out, 1.0), as_exact=None,
+    perfect = replace(one, left_out=np.minimum(one.left_out, 1.0), as_exact=None, white=True,
                       fitted=np.minimum(one.fitted, 1.0), penalty=0.0)
     c = evidence.constants
     least = float(evidence.log_likelihoods(perfect)[1].sum()) + evidence.log_prior(perfect)
@@ -136,7 +140,7 @@ def _scored(one: Scored) -> dict[str, Any]:
         'left_out': one.left_out.tolist(), 'fitted': one.fitted.tolist(),
         'counts': one.counts.tolist(), 'parameters': one.parameters, 'laws': one.laws,
         'curves': one.curves,
-        'as_exact': None if one.as_exact is None else one.as_exact.tolist(),
+        'as_exact': None if one.as_exact is None else one.as_exact.tolist(), 'white': one.white,
     }
 
 
@@ -145,7 +149,7 @@ def of_dict(data: Mapping[str, Any], constants: Constants) -> Compared:
     base, *others = (
         Scored(tuple(one['effects']), tuple(one['families']), tuple(one['rank']),
                np.array(one['left_out']), np.array(one['fitted']), np.array(one['counts']),
-               one['parameters'], one['laws'], one['curves'], as_exact=(
+               one['parameters'], one['laws'], one['curves'], white=one['white'], as_exact=(
                    None if one['as_exact'] is None else np.array(one['as_exact'])))
         for one in (data['base'], *data['models']))
     evidence = Evidence(base, np.array(data['instrument']), np.array(data['as_force']), constants,

@@ -13,7 +13,8 @@ square m, in that of noise, have the marginal likelihood
     (1 + n d / k)^(-k/2),    d = max(m - 1, 0) + d_0,
 
 where no discrepancy is believed to be smaller than d_0. Laws that are exact leave noise alone,
-of which the likelihood is exp(-n (m - 1) / 2). That of a model is the sum of both.
+of which the likelihood is exp(-n (m - 1) / 2), and which is white. That of a model is the sum of
+both.
 
 On some motions two laws are the same force, as a bias and an offset of an attached spring are.
 Rounding alone, which differs between processors, would then decide which of them is named: where
@@ -48,6 +49,8 @@ Relative difference up to which scores are equal, and absolute one of scores bel
 A search ends at this relative gain, and sums of squares in variances of the noise that differ by
 less than 1 are equally likely for any data.
 """
+
+_NEVER = 1e9  # nats: no likelihood
 
 NOISE_IS_KNOWN = 1.2
 """Factor by which noise may be larger than measured."""
@@ -126,6 +129,7 @@ class Scored:
     found: Any = field(repr=False, default=None)  # the fit
     # further log prior odds against it: its place among many, values of a calibration [nat]
     penalty: float = 0.0
+    white: bool = True  # whether what the force leaves is mostly white, as an exact law's is
     # (2, P, C) left_out and fitted of an exact law, of which large errors are outliers; by default
     # the same
     as_exact: Array | None = None
@@ -200,8 +204,9 @@ class Evidence:
         k = np.minimum(n, c.independent)
         d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit[0]
         inexact = -0.5 * k * np.log1p((n / np.maximum(k, 1.0) if self.white else 1.0) * d)
-        either = exact if self.white else inexact  # what may be slow is no noise alone
-        return either.sum(axis=1), inexact.sum(axis=1)
+        if not (self.white and one.white):
+            exact = exact - _NEVER  # what is slow, or may be, is no noise alone
+        return exact.sum(axis=1), inexact.sum(axis=1)
 
     def _noise_on(self, parts: Array) -> Array | float:
         """Return the noise on parts, shape (P, C), or its mean if these are others."""

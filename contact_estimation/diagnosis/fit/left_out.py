@@ -238,6 +238,15 @@ class Linearised:
         return np.array([np.bincount(self.channel[part.there], minlength=CHANNELS)
                          for part in self.parts], float)
 
+    @cached_property
+    def white(self) -> bool:
+        """Return whether at least half of what the first channel leaves is white."""
+        # Of white noise the squared steps are twice the squares (J. von Neumann, Distribution of
+        # the ratio of the mean square successive difference, Ann. Math. Statist. 12, 1941).
+        here = self.here[(self.channel == 0) & (self.in_noise > 0.0)]
+        steps = np.diff(here)
+        return bool(steps @ steps >= here @ here)
+
     def _mean_squares(self, part: Part, errors: Array) -> Array:
         """Average squares by channel, in those of noise, shape (2, CHANNELS); see `left_out`."""
         found, channel = np.zeros((2, CHANNELS)), self.channel[part.there]

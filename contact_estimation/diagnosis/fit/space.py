@@ -22,7 +22,8 @@ from .fitting import Fit, fit, fit_at, fit_to_end
 from .left_out import Linearised, Part, parts_of
 from .screening import measure_scales, Screening, Step
 from ..observe.model import Model
-from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
+from ..observe.parts import episodes
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ..observe.shares import MOST, MUCH, SLIGHT
 from ...physics import EFFECTS
@@ -93,6 +94,11 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         for effect in added)
 
 
+def is_flexible(recordings: Recordings, model: Model, name: str) -> bool:
+    """Return whether an effect is a curve that follows any slow misfit of recordings."""
+    return all(model.effect(name).is_flexible(_Recorded(one, model)) for one in recordings)
+
+
 class _Recorded:
     """What an effect asks of a recording; see `Seen`."""
 
@@ -105,6 +111,13 @@ class _Recorded:
         self.stiffness = model.stiffness
         self.duration = float(recording.observed.t[-1])
         self.sample_period = recording.observed.h
+
+    @property
+    def touch(self) -> float:
+        """Return the duration of the longest contact."""
+        found = episodes(self._model, self._recording.observed)
+        return max((self.sample_period * (stop - first) for first, stop in found),
+                   default=self.duration)
 
     def clips(self, limit: float) -> bool:
         """Return whether the force sensor clips as a saturating one does."""
@@ -196,7 +209,8 @@ class ContactModels:
             int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free)),
             len(laws),
             sum(is_flexible(recordings, model, name) for name in laws), told,
-            as_exact=np.stack((told.left_out[1], told.fitted[1])))
+            as_exact=np.stack((told.left_out[1], told.fitted[1])),
+            white=self._driven or told.white)  # a filter that expects large forces is not
 
     def extensions(self, one: Scored) -> list[Scored]:
         """Fit the most promising candidates beside the effects of a model."""
@@ -243,9 +257,12 @@ class ContactModels:
         return [one for one in finished if one is not None]
 
     def siblings(self, one: Scored) -> list[Scored]:
-        """Put other laws in the place of each: of its family, and of the likeliest other one."""
-        model, found = one.found.found.model, list[Scored | None]()
+        """Leave out each effect; put laws of its family and of the likeliest one in its place."""
+        model = one.found.found.model
         recordings = self.weighed(model)
+        own = [name for name in model.effects if name not in model.given]
+        found = [self._finished(model.without(name), _TO_THE_END)
+                 for name in own if len(own) > 1]
         for name in _laws(model):
             rest = model.without(name)
             taken = one.named - {EFFECTS[name].family}

@@ -227,10 +227,6 @@ class Model:
         return all(self.effect(name).is_possible(self.stiffness, self.damping)
                    for name in self.effects)
 
-    def is_flexible(self, name: str, duration: float) -> bool:
-        """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
-        return self.effect(name).is_flexible(duration)
-
     def laws(self) -> Laws:
         """Return the equations."""
         return self._laws

@@ -221,10 +221,5 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
     return replace(prepared, simulated=recording.simulated)
 
 
-def is_flexible(recordings: Recordings, model: Model, name: str) -> bool:
-    """Return whether an effect is a curve that follows any slow misfit of recordings."""
-    return model.is_flexible(name, max(float(one.observed.t[-1]) for one in recordings))
-
-
 def _edges(flags: Flags) -> list[int]:
     return np.flatnonzero(np.diff(flags.astype(int))).tolist()

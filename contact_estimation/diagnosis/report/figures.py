@@ -111,8 +111,8 @@ def _plot_shares(axis: Any, effect: NamedEffect) -> None:
         every, interval = effect.beside_zeros.share, effect.beside_zeros.interval
         shares = [100.0 * float(share) for share in effect.beside_zeros.parts]
     low, high = (100.0 * value for value in interval)
-    axis.bar(range(len(shares)), shares, width=0.6, color=MUTED, label='each part')
-    axis.axhline(100.0 * every, color=BLUE, linewidth=1.2, label='all parts')
+    axis.bar(range(len(shares)), shares, width=0.6, color=MUTED, label='each fold')
+    axis.axhline(100.0 * every, color=BLUE, linewidth=1.2, label='all folds')
     if isfinite(low) and isfinite(high):
         axis.axhspan(low, high, color=BLUE, alpha=0.18, linewidth=0, zorder=3,
                      label='95 % interval')
@@ -126,8 +126,8 @@ def _plot_shares(axis: Any, effect: NamedEffect) -> None:
 def _plot_values(axis: Any, effect: NamedEffect) -> None:
     name, pooled = next(iter(effect.parameters.items()))
     values = [part.parameters[name] for part in effect.parts]
-    axis.plot(range(len(values)), values, 'o', color=INK, markersize=4, label='each part alone')
-    axis.axhline(pooled.value, color=BLUE, linewidth=1.2, label='all parts')
+    axis.plot(range(len(values)), values, 'o', color=INK, markersize=4, label='each fold alone')
+    axis.axhline(pooled.value, color=BLUE, linewidth=1.2, label='all folds')
     if isfinite(pooled.std):
         axis.axhspan(pooled.value - 2.0 * pooled.std, pooled.value + 2.0 * pooled.std, color=BLUE,
                      alpha=0.18, linewidth=0, label='± 2 std')

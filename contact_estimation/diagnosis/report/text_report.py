@@ -6,8 +6,8 @@
 from math import isfinite
 
 from .wording import (
-    headline, how_it_was_read, improvement, mismatch, MODELS, place_of, PORTS, remainder, share_of,
-    significant, tested_dependences, trifle)
+    headline, how_it_was_read, improvement, mismatch, MODELS, negligible, place_of, PORTS,
+    remainder, share_of, significant, tested_dependences)
 from ..next_experiment import listed
 from ..observe.model import names_of
 from ..result import Diagnosis, Errors, NamedEffect, Value
@@ -32,7 +32,7 @@ def _verdict(d: Diagnosis) -> list[str]:
     lines = [f'{d.verdict.replace("_", " ")}: {sentence[0].lower()}{sentence[1:]}.']
     if d.verdict == 'physics_missing':
         lines.append('Recalibrating K_e and B_e alone cannot explain the recording.')
-    return lines + [f'{one.rstrip(".")}.' for one in (trifle(d), d.nearly) if one]
+    return lines + [f'{one.rstrip(".")}.' for one in (negligible(d), d.nearly) if one]
 
 
 def _effect(effect: NamedEffect) -> list[str]:
@@ -45,7 +45,7 @@ def _effect(effect: NamedEffect) -> list[str]:
         f'  {values}',
         f'  {share_of(effect)}']
     if len(effect.parts) > 1:
-        lines.append(f'  fitted on each of {len(effect.parts)} parts alone: {_ranges(effect)}')
+        lines.append(f'  fitted on each of {len(effect.parts)} folds alone: {_ranges(effect)}')
     lines.append(f'  visible {place_of(effect.location)}')
     if effect.indistinguishable_from:
         names = listed(effect.indistinguishable_from)
@@ -54,7 +54,7 @@ def _effect(effect: NamedEffect) -> list[str]:
 
 
 def _ranges(effect: NamedEffect) -> str:
-    """Give the least and greatest value of each parameter over the parts."""
+    """Give the least and greatest value of each parameter over the folds."""
     texts = []
     for name, value in effect.parameters.items():
         found = [part.parameters[name] for part in effect.parts]

@@ -30,7 +30,7 @@ def headline(diagnosis: Diagnosis) -> str:
     d = diagnosis
     if d.verdict == 'consistent':
         return 'The simulation explains the recording' + (
-            '' if trifle(d) else ' to within the sensor noise')
+            '' if negligible(d) else ' to within the sensor noise')
     if d.verdict == 'recalibrate':
         return f'The simulation has the right physics with wrong values: {_recalibrated(d)}'
     if d.refused:
@@ -90,7 +90,7 @@ def remainder(diagnosis: Diagnosis) -> str:
             f'{place_of(left.location)}')
 
 
-def trifle(diagnosis: Diagnosis) -> str:
+def negligible(diagnosis: Diagnosis) -> str:
     """Say how little a model leaves that lacks nothing, if noise is less than half; else ''."""
     d = diagnosis
     errors = {'consistent': d.force.nominal, 'recalibrate': d.force.recalibrated}

@@ -118,10 +118,6 @@ class Smoothing:
                 phi[RATE], rate_noise, of_v[0], noise[1] * self.noise)
             phi[ACCELERATION], bend_noise = _fused(
                 phi[ACCELERATION], bend_noise, of_v[1], noise[1] * self.rate_noise)
-        # E[sgn v] of a rate with noise that changes within the window; erf is like tanh.
-        within = self._variance_s2 * np.square(phi[ACCELERATION])
-        width = np.sqrt(0.5 * pi * (rate_noise + _SHARP * _SHARP + within))
-        phi[SIGN] = np.tanh(phi[RATE] / width) * ((inside > 0.0) @ mean)
         if phi[RATE] @ phi[RATE] / windows < _MOVES * rate_noise:
             # The noise of a rate would bias what it multiplies; all windows together have less.
             middle = float(phi[RATE].mean())
@@ -130,8 +126,11 @@ class Smoothing:
             if middle * middle < _MOVES * rate_noise:
                 middle = rate_noise = 0.0
             phi[ACCELERATION] = bend_noise = 0.0
-            phi[SIGN] = np.sign(middle) * phi[ONE]
             phi[OF_RATE] = middle * phi[TIMES_RATE]
+        # E[sgn v] of a rate with noise that changes within the window; erf is like tanh.
+        within = self._variance_s2 * np.square(phi[ACCELERATION])
+        width = np.sqrt(0.5 * pi * (rate_noise + _SHARP * _SHARP + within))
+        phi[SIGN] = np.tanh(phi[RATE] / width) * ((inside > 0.0) @ mean)
         phi[RATE_NOISE], phi[ACCELERATION_NOISE] = sqrt(rate_noise), sqrt(bend_noise)
         phi[NOISE:, ::2] *= -1.0  # of either sign, so that no other column has them
         return phi

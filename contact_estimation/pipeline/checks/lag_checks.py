@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .check import Array, BLOCKS, Check, Evidence, rate_of, white_noise_of
+from ...physics.numeric import SIGN_VELOCITY
 
 _SIGNIFICANT = 40.0  # likelihood ratio
 _LEFT = 3.0  # variance that a lag leaves, over the noise's: 1.3 is seen, beside friction 4 or more
@@ -243,12 +244,16 @@ def _residuals(means: _Means, lags: Array) -> Array:
 def _residual_with_physics(means: _Means, x: Array, v: Array) -> float:
     """Return the least sum of squares with one more term of other physics and no lag."""
     depth = x - x.min()
-    fast = v / (np.abs(v) + 0.05 * np.sqrt(np.mean(v**2)) + 1e-12)
+    moves = np.square(v) > _EXCITED * means.variances[1]  # else its sign is that of the noise
+    way = np.where(moves, np.tanh(v / SIGN_VELOCITY), 0.0)
+    changes = float(np.square(np.gradient(way)).sum())  # when within a mean is not known
     deep = float(np.mean(depth**2))
     noise = means.variances[2], 0.0, 4.0 * deep * means.variances[0], deep * means.variances[1]
     fits = [_solve(means, [x, v, term], np.append(means.variances[:2], own)) for term, own in zip(
-        (means.acceleration, fast, depth**2, depth * v), noise)]
-    return min(left for k, (theta, left) in enumerate(fits) if k or theta[2] >= 0.0)
+        (means.acceleration, way, depth**2, depth * v), noise)]
+    (mass, heavy), (F_c, rubbing), *others = ((theta[2], left) for theta, left in fits)
+    return min(heavy if mass >= 0.0 else np.inf,
+               max(rubbing - F_c**2 * changes, means.least), *(left for _, left in others))
 
 
 def _solve(means: _Means, columns: list[Array], variances: Array) -> tuple[Array, float]:

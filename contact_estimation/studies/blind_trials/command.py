@@ -84,17 +84,20 @@ def make_parser() -> Parser:
         "are not the library's, scored by family. An "
         'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
         'same folder; delete the subfolder reports to repeat the diagnoses.')
-    parser.add_argument('--count', type=int, default=0, help='trials with an effect (0)')
-    parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
+    parser.add_argument('--count', type=int, default=0,
+                        help='trials with an effect (default: %(default)s)')
+    parser.add_argument('--clean', type=int, default=0,
+                        help='trials without an effect (default: %(default)s)')
     parser.add_argument('--unknown', type=int, default=0,
-                        help='trials on a rig with a law that no effect describes (0)')
+                        help='trials on a rig with a law that no effect describes '
+                        '(default: %(default)s)')
     parser.add_argument('--foreign', type=int, default=0,
                         help='trials on a rig with a law from the literature that the library '
-                        'does not have; every ninth has none (0)')
+                        'does not have; every ninth has none (default: %(default)s)')
     parser.add_argument('--arms', type=int, default=0,
                         help='trials on whole arms that conceal a law in a joint or a payload, '
-                        'with links 5 %% off and friction in every joint (0); needs the extra '
-                        'robots')
+                        'with links 5 %% off and friction in every joint (default: %(default)s); '
+                        'needs the extra robots')
     parser.add_argument('--pressing', action='store_true',
                         help='let the arms of --arms press on a wall under a Cartesian '
                         'impedance, and conceal a law of their joints or of the wall')
@@ -104,15 +107,16 @@ def make_parser() -> Parser:
     parser.add_argument('--only-write', action='store_true',
                         help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, nargs='+', default=[0], metavar='S',
-                        help='seed of all random draws; the trials of several are pooled (0)')
+                        help='seed of all random draws; the trials of several are pooled '
+                        '(default: 0)')
     parser.add_argument('--jobs', type=int, metavar='N',
-                        help='number of parallel processes (1), or of trials at a time on the '
-                        'workers of --scheduler; more than one needs Dask (extra fleet)')
+                        help='number of parallel processes (default: 1), or of trials at a time '
+                        'on the workers of --scheduler; more than one needs Dask (extra fleet)')
     parser.add_argument('--scheduler', metavar='ADDRESS',
                         help='Dask scheduler whose workers to use, such as tcp://host:8786')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
                         help='folder of recordings, reports, truths and table.txt '
-                        '(blind_trials_output)')
+                        '(default: %(default)s)')
     parser.add_argument('--json', metavar='FILE', help='write the scores as JSON')
     return parser
 
@@ -167,6 +171,3 @@ def _report(
 
 
 main = command(make_parser, run)
-
-if __name__ == '__main__':
-    raise SystemExit(main())

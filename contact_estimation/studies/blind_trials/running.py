@@ -105,8 +105,8 @@ def diagnosed(recording: Path, *options: str, timeout_s: float | None = None) ->
     with tempfile.TemporaryDirectory() as folder:
         output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
         done = finished([
-            sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
-            '--json', str(output), '--write-comparison', str(models), *options], timeout_s)
+            sys.executable, '-m', 'contact_estimation', 'diagnose', str(recording), '--json',
+            str(output), '--write-comparison', str(models), *options], timeout_s)
         report, comparison = (None if done.error else json.loads(path.read_text())
                               for path in (output, models))
     return Answer(report, comparison, done.error, done.wall_s, done.cpu_s)
