@@ -84,7 +84,8 @@ def search(
     lawful = [one for one in pool.values() if one.laws]
     if lawful and not first.laws and not evidence.is_exact(first):
         # An inexact law may not be worth its prior where an exact one beside it is.
-        first = ranked_by(lawful, lambda one: -evidence.log_likelihoods(one)[0].sum())[0]
+        first = ranked_by(lawful, lambda one: -evidence.log_likelihoods(one)[0].sum(),
+                          lambda one: -evidence.score(one))[0]
     for _ in range(_DEEP):
         for sibling in space.siblings(first):
             _keep(evidence, pool, sibling)

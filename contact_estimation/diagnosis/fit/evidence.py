@@ -50,8 +50,6 @@ A search ends at this relative gain, and sums of squares in variances of the noi
 less than 1 are equally likely for any data.
 """
 
-_NEVER = 1e9  # nats: no likelihood
-
 NOISE_IS_KNOWN = 1.2
 """Factor by which noise may be larger than measured."""
 
@@ -205,7 +203,7 @@ class Evidence:
         d = np.maximum(expected - 1.0, 0.0) + self.instrument + c.ideal * self.misfit[0]
         inexact = -0.5 * k * np.log1p((n / np.maximum(k, 1.0) if self.white else 1.0) * d)
         if not (self.white and one.white):
-            exact = exact - _NEVER  # what is slow, or may be, is no noise alone
+            exact = np.full(exact.shape, -np.inf)  # what is slow, or may be, is no noise alone
         return exact.sum(axis=1), inexact.sum(axis=1)
 
     def _noise_on(self, parts: Array) -> Array | float:
