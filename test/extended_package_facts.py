@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.diagnosis.fit.space import candidates_in
+from contact_estimation.diagnosis.fit.candidates import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.parameters import EstimationParameters

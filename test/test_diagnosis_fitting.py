@@ -9,13 +9,14 @@ from typing import Any, cast, NamedTuple
 
 from concealed_worlds import diagnosed, MODEL, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.diagnose import diagnose
+from contact_estimation.diagnosis.fit.candidates import candidates_in
 from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_deviations
 from contact_estimation.diagnosis.fit.evidence import explained, ranked
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.free_run import refine
 from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of, predict, Spared
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
-from contact_estimation.diagnosis.fit.space import candidates_in, ContactModels
+from contact_estimation.diagnosis.fit.space import ContactModels
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.parts import hold_out

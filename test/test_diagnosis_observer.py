@@ -6,8 +6,8 @@
 from typing import Any
 
 from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.candidates import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
-from contact_estimation.diagnosis.fit.space import candidates_in, is_credible, untried
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observer import (
     innovations, kalman_filter, run, run_from, run_velocity)

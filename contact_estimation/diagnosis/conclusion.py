@@ -10,13 +10,13 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .dependence import dependences
+from .fit.candidates import untried
 from .fit.discrepancy import least_material, material, standard_deviations
 from .fit.evidence import explained, misfits, ranked_by, Scored, share_of, ZEROS
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run, refine
 from .fit.left_out import predict
 from .fit.names import name, Named, parts, without_least
-from .fit.space import untried
 from .held_out import (
     by_part, errors_of, HeldOutPart, improvement_interval, measure_part, spared_of,
     weigh_by_held_out, with_holdouts)

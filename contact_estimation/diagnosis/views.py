@@ -62,8 +62,7 @@ def offset_of(topic: str, raw: Sequence[Recording], lawful: Scored) -> Offset | 
     # so are joints that are early, unless a reference tells which of the two is off.
     commanded = all(one.observed.reference is not None for one in lawful.found.recordings)
     least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
-    is_delay = late if topic == 'wrench' else not late and not commanded
-    if abs(offset.seconds) < least or is_delay:
+    if abs(offset.seconds) < least or (late if topic == 'wrench' else not (late or commanded)):
         return None
     found = minimize_scalar(
         lambda share: fit(_shifted(raw, lawful, offset._replace(

@@ -264,8 +264,8 @@ class Evidence:
         """Return the rate of x whose mean is known better, and the noise of that mean."""
         independent, size = max(1.0, self.mean_size / self.stride), self.mean_size
         measured = self.velocity_noise / independent**0.5
-        by_steps, rate = self.position_noise / (
-            independent * self.stride * self.period), rate_of(self.x, self.t)
+        by_steps = self.position_noise / (independent * self.stride * self.period)
+        rate = rate_of(self.x, self.t)
         if measured <= by_steps < inf:
             # A rate that drivers filter is late: means of both differ by more than noise.
             off = (self.v - rate)[:len(rate) // size * size].reshape(-1, size).mean(axis=1)
