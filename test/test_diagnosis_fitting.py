@@ -13,7 +13,6 @@ from contact_estimation.diagnosis.fit.candidates import candidates_in
 from contact_estimation.diagnosis.fit.discrepancy import discounted, standard_deviations
 from contact_estimation.diagnosis.fit.evidence import explained, ranked
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
-from contact_estimation.diagnosis.fit.free_run import refine
 from contact_estimation.diagnosis.fit.left_out import Linearised, parts_of, predict, Spared
 from contact_estimation.diagnosis.fit.screening import measure_scales, Screening, Step
 from contact_estimation.diagnosis.fit.space import ContactModels
@@ -263,16 +262,3 @@ def test_signals_that_are_no_numbers_are_refused(row: str, value: float) -> None
     values[700] = value
     with pytest.raises(ContactEstimationError, match='finite'):
         diagnosed(changed(**{row: values}))
-
-
-@pytest.mark.parametrize('late, refined', [(0.0, True), (0.05, False)])
-def test_values_are_refined_only_to_a_free_run_that_is_as_close_as_noise(
-    late: float, refined: bool
-) -> None:
-    signals = recorded()  # with accelerations of the command by a share of a sample late
-    command = signals.reference.copy()
-    t, period = signals.reference_t, float(np.median(np.diff(signals.reference_t)))
-    command[2] = np.interp(t + late * period, t, command[2])
-    recording, model = prepared_from(signals._replace(reference=command))
-    found = fit([recording], model)
-    assert (refine([recording], found)[1] is not found) == refined

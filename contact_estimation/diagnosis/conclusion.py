@@ -14,7 +14,7 @@ from .fit.candidates import untried
 from .fit.discrepancy import least_material, material, standard_deviations
 from .fit.evidence import explained, misfits, ranked_by, Scored, share_of, ZEROS
 from .fit.fitting import cost_of, Fit, fit
-from .fit.free_run import free_run, refine
+from .fit.free_run import fit_driven_wall, free_run
 from .fit.left_out import predict
 from .fit.names import name, Named, parts, without_least
 from .held_out import (
@@ -69,7 +69,7 @@ class _Tested(NamedTuple):
 
 def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
     """Refine the values of a model, and measure its errors on held-out parts."""
-    recordings, best = _refined(seen, chosen, progress)
+    recordings, best = _fitted(seen, chosen)
     nominal = seen.view.given.nominal
     base = seen.base if chosen.named else best
     models = (nominal, base.model, best.model)
@@ -134,17 +134,12 @@ def _share_of_held_out(seen: Seen, model: Scored, channel: int | None) -> float 
     return 1.0 - (float(after[left_out:].sum()) - usual) / (shown - usual)
 
 
-def _refined(seen: Seen, chosen: Scored, progress: Progress) -> tuple[Recordings, Fit]:
-    """Return the recordings and the fit of a model; its output error where its laws are exact."""
-    model: Model = chosen.found.found.model
+def _fitted(seen: Seen, chosen: Scored) -> tuple[Recordings, Fit]:
+    """Return the recordings and the fit of a model, without a discrepancy if it is exact."""
     if not seen.compared.evidence.is_exact(chosen):
         return chosen.found.recordings, chosen.found.found
-    recordings = seen.recordings
-    found = fit(recordings, model)
-    if not all(one.observed.has_dynamics(model.nominal) for one in recordings):
-        return recordings, found
-    progress('output error')
-    return refine(recordings, found)
+    found = fit(seen.recordings, chosen.found.found.model)
+    return fit_driven_wall(seen.recordings, found) if seen.driven else (seen.recordings, found)
 
 
 def _free_runs(recording: PreparedRecording, models: Sequence[Model]) -> list[Array] | None:

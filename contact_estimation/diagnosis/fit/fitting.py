@@ -35,18 +35,13 @@ class SecantJacobian:
     function: values to residuals
     size (P,): typical change of each value
     most (P,): upper bounds of the values
-    share: step of the differences, as a share of `size`
-    updated: whether the last Jacobian is one of an update
     """
 
-    def __init__(
-        self, function: Callable[[Array], Array], size: Array, most: Array, share: float = _STEP
-    ) -> None:
-        self._function, self._size, self._most, self._share = function, size, most, share
+    def __init__(self, function: Callable[[Array], Array], size: Array, most: Array) -> None:
+        self._function, self._size, self._most = function, size, most
         self._last: tuple[Array, Array] | None = None  # point and residuals evaluated last
         self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
         self._left, self._gain = np.inf, -np.inf  # evaluations and gain at which the search ends
-        self.updated = False
 
     def know(self, values: Array, residuals: Array) -> None:
         """Take the residuals, shape (R,), at values, shape (P,), as evaluated."""
@@ -63,10 +58,9 @@ class SecantJacobian:
         """Return the derivatives, shape (R, P), at values, shape (P,)."""
         here = self.residuals(values)
         columns = self._from_last_point(values, here)
-        self.updated = columns is not None
         if columns is None:
             columns = differentiate_by(
-                values, self._size, self._function, here, self._share, self._most)
+                values, self._size, self._function, here, most=self._most)
         self._at = values.copy(), here, columns
         return columns / self._size
 

@@ -4,18 +4,16 @@
 """The free run of a model, from its command or, for a wall without a robot, the force."""
 
 from dataclasses import replace
-from functools import lru_cache
 import math
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .fitting import Fit, fit, fit_at, fit_to_end, SecantJacobian, SLOWLY, sum_of_squares
+from .fitting import Fit, fit, fit_to_end
 from ..observe.driven_wall import DrivenWall
 from ..observe.model import Model
 from ..observe.observed import Observed
-from ..observe.prepared_recording import PreparedRecording, Recordings
-from ..observe.residuals import huber
+from ..observe.prepared_recording import Recordings
 from ..observe.shares import LITTLE, SLIGHT
 from ...parameters import build, flatten
 from ...physics.contact_law import ContactLaw
@@ -112,83 +110,15 @@ def _free_wall(model: Model, o: Observed) -> Array:
     return run_driven_wall(plant, o.t, o.driving, x, v, float(o.t[0]))
 
 
-_STEP = 1e-3  # relative, of the finite differences
-_CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
-_FOLLOWS = 2.0  # the same once refined: more is no noise, and values would make up for it
-_ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
 _ROUNDS = 8  # rounds in which the free run of a wall converges
-_MOST_TRIES = 5  # of Gauss and Newton
-_AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
 _WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
 
-def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
-    """Minimise the output error."""
-    if not found.model.nominal.environment.unilateral:
-        return _refine_wall(recordings, found)
-    runs_of = lru_cache(maxsize=None)(lambda model: _free_runs(recordings, model))
-
-    def close(model: Model, bound: float) -> bool:
-        return all(_close(one, run, bound) for one, run in zip(recordings, runs_of(model)))
-
-    if not close(found.model, _CLOSE):
-        return recordings, found
-    model = _least_output_error(recordings, found.model, runs_of)
-    refined = fit_at(recordings, model)
-    kept = refined.cost <= _ALIKE * found.cost and model.plausible() and close(model, _FOLLOWS)
-    return recordings, refined if kept else found
-
-
-def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+def fit_driven_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+    """Fit a wall that a force drives with its effects at its own motion, not the measured one."""
     iterated = [replace(recording, picard_rounds=_ROUNDS) for recording in recordings]
     refined = fit_to_end(iterated, fit(iterated, found.model))
     if refined.cost <= _WORSE * found.cost and refined.model.plausible():
         return iterated, refined
     # The iteration does not converge for a strongly nonlinear wall.
     return [replace(recording, picard_rounds=1) for recording in recordings], found
-
-
-def _least_output_error(
-    recordings: Recordings, model: Model, runs_of: Callable[[Model], Sequence[Run]]
-) -> Model:
-    """Search the values of least output error from those of a model."""
-    def errors(these: Array) -> Array:
-        return _errors(recordings, runs_of(model.with_free(these)))
-
-    low, high = model.ranges
-    search = SecantJacobian(errors, model.steps, high, _STEP)
-    values = model.coordinates
-    here = search.residuals(values)
-    for _ in range(_MOST_TRIES):
-        jacobian = search.jacobian(values) * model.steps
-        change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0]
-        foretold = sum_of_squares(here + jacobian @ change)
-        tried = np.clip(values + change * model.steps, low, high)
-        there = search.residuals(tried)
-        before, after = sum_of_squares(here), sum_of_squares(there)
-        if after < before:
-            values, here = tried, there
-        if after > SLOWLY * before:
-            little = foretold > SLOWLY * before and after < _AS_FORETOLD * before
-            if little or not search.updated:
-                break
-            search.renew()  # the updated Jacobian points astray
-    return model.with_free(values)
-
-
-def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
-    error = (recording.observed.raw_position - run.position)[recording.use]
-    return float(np.std(error)) < bound * recording.motion.error
-
-
-def _free_runs(recordings: Recordings, model: Model) -> list[Run]:
-    return [free_run(model, recording.observed) for recording in recordings]
-
-
-def _errors(recordings: Recordings, runs: Sequence[Run]) -> Array:
-    parts = []
-    for recording, run in zip(recordings, runs):
-        o = recording.observed
-        parts += [recording.motion.average(o.raw_position - run.position),
-                  recording.force.average(o.force - run.force)]
-    return huber(np.concatenate(parts))
