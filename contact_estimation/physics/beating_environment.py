@@ -33,7 +33,8 @@ class BeatingEnvironment(ContactEffect):
     equation = ('x_e = nominal + amplitude sin(2 pi frequency t + phase)'
                 ' + amplitude_2 sin(2 pi frequency_2 t + phase_2)')
     family = 'wall_motion'
-    needs = frozenset({Need.SPRING})  # what none presses on moves unseen
+    # What none presses on moves unseen; of one stroke, time tells what depth does, too.
+    needs = frozenset({Need.SPRING, Need.RETURN})
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         (x, v), (y, w) = (tone.surface(t, state, m) for tone in self._tones)

@@ -5,7 +5,8 @@ from collections import deque
 
 import numpy as np
 
-from .law import Array, dataclass, ForceSensorEffect, optional_parameter, Prior, Reader, Scales
+from .law import (
+    Array, dataclass, ForceSensorEffect, Need, optional_parameter, Prior, Reader, Scales)
 
 _SLOWEST_S = 0.5  # of a force sensor; a specimen that relaxes looks the same
 
@@ -18,6 +19,7 @@ class ForceDelay(ForceSensorEffect):
 
     equation = 'F_measured(t) = F_e(t - delay)'
     family = 'timing'
+    needs = frozenset({Need.RETURN})  # of one stroke it is what relaxes, or another surface
 
     def reader(self) -> Reader:
         """Interpolate past samples linearly."""

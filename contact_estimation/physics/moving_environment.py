@@ -23,7 +23,8 @@ class MovingEnvironment(ContactEffect):
 
     equation = 'x_e = nominal + amplitude sin(2 pi frequency t + phase)'
     family = 'wall_motion'
-    needs = frozenset({Need.SPRING})  # what none presses on moves unseen
+    # What none presses on moves unseen; of one stroke, time tells what depth does, too.
+    needs = frozenset({Need.SPRING, Need.RETURN})
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         omega = 2.0 * pi * self.frequency

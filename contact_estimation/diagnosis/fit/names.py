@@ -182,7 +182,7 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
         dropped = [one for one in names if one not in kept]
         return _known(compared, named.model, [*dropped, *(() if kept else unnamed)], without)
 
-    found, kept = dict[str, Part](), list[str]()
+    found, kept, floor = dict[str, Part](), list[str](), evidence.base
     for group in ([one for one in names if one in ZEROS],
                   [one for one in names if one not in ZEROS]):
         models, best = dict[frozenset[str], Scored](), dict[frozenset[str], Scored]()
@@ -192,7 +192,7 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
             if model is None:
                 return {}
             models[some] = model
-            best[some] = _better(evidence, model, *(best[some - {one}] for one in some))
+            best[some] = _better(evidence, model, floor, *(best[some - {one}] for one in some))
         for one in group:
             rest = with_only([other for other in names if other != one])
             if rest is None:
@@ -203,7 +203,7 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
                 gain = max(gain, last, key=np.sum)
             found[one] = Part(gain, share_of(evidence, gain), share_of(evidence, last),
                               models[frozenset(group) - {one}], models[frozenset(group)])
-        kept += group
+        kept, floor = kept + group, best[frozenset(group)]
     return found
 
 
