@@ -20,7 +20,7 @@ from .fit.discrepancy import discounted, without_ripple
 from .fit.evidence import Scored
 from .fit.fitting import Fit, fit, residual_function
 from .fit.free_run import free_run
-from .fit.left_out import Part, predict, Spared
+from .fit.left_out import predict, Spared
 from .fit.space import ContactModels
 from .fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from .observe.model import Model
@@ -179,10 +179,10 @@ class Seen(NamedTuple):
         return self.best_model if self.driven else None
 
 
-def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
+def compare(view: View, progress: Progress) -> Seen:
     """Compare models in a view."""
     recordings, base = recalibrated(_prepared(view), view.given.nominal)
-    models = ContactModels(recordings, base, progress=progress, parts=parts)
+    models = ContactModels(recordings, base, progress=progress)
     seen = Seen(view, recordings, base, models, search(models, progress))
     if seen.driven and seen.best.effects:
         models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
@@ -252,7 +252,8 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            other = compare(view, progress, seen.models.parts)
+            found = search(other.models, progress, other.compared)
+            other = _smoothed(other._replace(compared=found), progress)
             if _promises(other, seen):
                 seen = other
     return seen
