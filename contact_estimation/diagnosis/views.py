@@ -184,11 +184,19 @@ def compare(view: View, progress: Progress) -> Seen:
     recordings, base = recalibrated(_prepared(view), view.given.nominal)
     models = ContactModels(recordings, base, progress=progress)
     seen = Seen(view, recordings, base, models, search(models, progress))
+    again = seen.driven and seen.best.effects
+    return _continued(seen, progress) if again else _smoothed(seen, progress)
+
+
+def _continued(seen: Seen, progress: Progress) -> Seen:
+    """Search on from known models; for a driven wall with the discrepancy of the best of them."""
+    models, known = seen.models, seen.compared
     if seen.driven and seen.best.effects:
-        models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
-        known = refit(models, seen.compared.models[:_REFITTED])
-        seen = seen._replace(models=models, compared=search(models, progress, known))
-    return _smoothed(seen, progress)
+        models = ContactModels(
+            seen.recordings, seen.base, seen.best_model, progress, models.parts)
+        known = refit(models, known.models[:_REFITTED])
+    compared = search(models, progress, known)
+    return _smoothed(seen._replace(models=models, compared=compared), progress)
 
 
 def _prepared(view: View) -> Recordings:
@@ -252,8 +260,7 @@ def best_view(given: Given, progress: Progress) -> Seen:
             other = _refitted(view, seen, progress)
             if _gain(other, seen) <= -_AS_LIKELY:
                 continue
-            found = search(other.models, progress, other.compared)
-            other = _smoothed(other._replace(compared=found), progress)
+            other = _continued(other, progress)
             if _promises(other, seen):
                 seen = other
     return seen
