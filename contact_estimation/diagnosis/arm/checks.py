@@ -12,6 +12,7 @@ import numpy as np
 
 from .arm_recording import ArmRecording
 from .channels import Channels
+from .gram import INEXACT
 from .reading import Evidence, Reading
 from ..checks.check import Check
 from ...kinematics.arm_dynamics import ArmDynamics
@@ -151,7 +152,7 @@ def _scaled(reading: Reading) -> Iterator[Candidate]:
             other = reading.but(scale=scale)
             found = other.evidence(j, other.modelled[..., None] if j < 0 else None)
             gain *= float(1.0 + found.further[0] if j < 0 else found.gains[at[0]])
-        law = j >= 0 and gain > 0.0 and abs(log(gain)) < _LAW_GAIN
+        law = gain > 0.0 and abs(log(gain)) < (_LAW_GAIN if j >= 0 else 2.0 * INEXACT)
         where = reading.arm.joints[j] if j >= 0 else 'all joints'
         yield Candidate('' if law else 'torque_unit' if gain > 0.0 else 'torque_sign', (
             f'the torque of {where} is {gain:.3g} times that in N m: '
@@ -178,22 +179,22 @@ def _mounted(reading: Reading) -> Iterator[Candidate]:
              for axis in np.eye(3)]
     down = weightless.evidence(further=np.stack(along, axis=2)).further
     down /= np.linalg.norm(down) + 1e-12
-    if down @ arm.model.gravity.linear < size * np.cos(_TILTED):
-        other = replace(reading, arm=arm.with_gravity(size * down))
-        yield Candidate('base_mounting', (
-            f'gravity acts along ({", ".join(f"{x + 0.0:.2f}" for x in down)}) of the base: the '
-            'arm is mounted on a wall or a ceiling; turn the root of the description by a fixed '
-            'joint'), other, other.evidence(), _CAPS)
+    wrong = down @ arm.model.gravity.linear < size * np.cos(_TILTED)
+    other = replace(reading, arm=arm.with_gravity(size * down))
+    yield Candidate('base_mounting' if wrong else '', (
+        f'gravity acts along ({", ".join(f"{x + 0.0:.2f}" for x in down)}) of the base: the arm '
+        'is mounted on a wall or a ceiling; turn the root of the description by a fixed joint'),
+        other, other.evidence(), _CAPS if wrong else 1.0)
 
 
 def _late(reading: Reading) -> Iterator[Candidate]:
     """Yield torques that are stamped later or earlier."""
     for k in (k for k in range(-_LAGS, _LAGS + 1) if k):
         other, word = reading.late(_LAG_S * k), 'later' if k > 0 else 'earlier'
+        brief = f'{1e3 * _LAG_S * abs(k):.0f} ms {word}'
         yield Candidate('clock_offset' if abs(k) > 1 else '', (
-            f'torques are stamped about {1e3 * _LAG_S * abs(k):.0f} ms {word} than positions; '
-            'stamp both when they are measured'), other, other.evidence(), 2.0 * _LAGS,
-                f'{1e3 * _LAG_S * abs(k):.0f} ms {word}')
+            f'torques are stamped about {brief} than positions, or a joint yields; stamp both '
+            'when they are measured'), other, other.evidence(), 2.0 * _LAGS, brief)
 
 
 def _loaded(reading: Reading) -> Iterator[Candidate]:
