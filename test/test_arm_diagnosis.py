@@ -150,6 +150,7 @@ def test_a_torque_that_is_no_function_of_the_state_is_unexplained_at_its_joint()
     ('angle_unit', {'q': np.degrees}),
     ('torque_unit', {'tau': lambda tau: 1000.0 * tau}),
     ('torque_unit', {'tau': lambda tau: tau / 100.0}),
+    ('torque_unit', {'tau': lambda tau: tau * [1.0, 1.0, 3.0]}),
     ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0]}),
     ('position_sign', {'q': lambda q: q * [1.0, -1.0, 1.0],
                        'tau': lambda tau: tau * [1.0, -1.0, 1.0]}),

@@ -7,8 +7,10 @@ from dataclasses import replace
 
 from arm_worlds import arm_recording, motion, URDF
 from contact_estimation.diagnosis.arm.channels import Channels, Term
+from contact_estimation.diagnosis.arm.checks import check_reading
 from contact_estimation.diagnosis.arm.covariance import without_each
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZERO_KNOWN, ZEROS
+from contact_estimation.diagnosis.arm.reading import Reading
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
 import numpy as np
 import pytest
@@ -73,3 +75,20 @@ def test_the_noise_of_a_joint_at_rest_sets_no_filter() -> None:
     one = arm_recording(q=lambda q: q * [1.0, 1.0, 0.0] + noise * [0.0, 0.0, 1.0])
     assert Channels([one], ArmDynamics(URDF)).cut_off < 1.2 * Channels(
         [arm_recording()], ArmDynamics(URDF)).cut_off
+
+
+def test_the_evidence_of_a_reading_depends_on_no_unit_and_no_order() -> None:
+    reading = Reading.of(Channels([arm_recording()], ArmDynamics(URDF)))
+    nat = reading.evidence().nat
+    milli = reading.but(tau=1000.0 * reading.tau, scale=1000.0 * reading.scale)
+    assert milli.evidence().nat == pytest.approx(nat - 3.0 * reading.errors * np.log(1000.0))
+    once = reading.moved(lambda x: x[:, [1, 0, 2]], True)
+    assert once.evidence().nat < nat - 100.0
+    assert once.moved(lambda x: x[:, [1, 0, 2]], True).evidence().nat == pytest.approx(nat)
+
+
+def test_a_gain_of_all_torques_that_looks_like_a_load_is_said_to_be_open() -> None:
+    one = arm_recording(tau=lambda tau: 1.5 * tau)
+    checks = check_reading(Reading.of(Channels([one], ArmDynamics(URDF))))
+    unit = next(one for one in checks if one.name == 'torque_unit')
+    assert unit.ok and 'does not tell: gain of all joints (1.5)' in unit.text

@@ -151,14 +151,9 @@ class ArmDynamics:
 
     def tilt(self, q: Array) -> Array:
         """Return the torque per angle by which the base is tilted about y and -x, (N, n, 2)."""
-        pin, gravity = self._library, self.model.gravity.linear.copy()
-        columns = []
-        for axis in range(2):
-            self.model.gravity.linear = np.linalg.norm(gravity) * np.eye(3)[axis]
-            columns.append([pin.computeGeneralizedGravity(
-                self.model, self.data, self.configuration(x)) for x in q])
-        self.model.gravity.linear = gravity
-        return np.moveaxis(np.array(columns), 0, -1)
+        size, still = np.linalg.norm(self.model.gravity.linear), np.zeros_like(q)
+        return np.stack([self.with_gravity(size * axis).torque(q, still, still)
+                         for axis in np.eye(3)[:2]], axis=2)
 
     def forward(self, q: Array, v: Array, drag: Array) -> tuple[Array, Array]:
         """Return the inertia matrix M (n, n) and C q' + g + drag (n,) at one instant."""
@@ -187,6 +182,12 @@ class ArmDynamics:
         for k, one in enumerate(other.neutral.reshape(-1, PER_LINK)):
             other.model.inertias[k + 1] = self._library.Inertia.FromDynamicParameters(one)
         other.data = other.model.createData()
+        return other
+
+    def with_gravity(self, down: Array) -> 'ArmDynamics':
+        """Return the arm under another gravity, shape (3,) [m/s^2] in axes of the root."""
+        other = self.with_parameters(self.neutral)
+        other.model.gravity.linear = np.asarray(down, float)
         return other
 
     @property

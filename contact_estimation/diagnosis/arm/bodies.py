@@ -11,14 +11,13 @@ inertial parameter identification, IEEE RA-L 3(1), 2018: the pseudo-inertia is p
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from .arm_recording import Array
 from ...kinematics.arm_dynamics import PER_LINK
 from ...kinematics.robot_model import pinocchio
 
 _LEAST = 1e-9  # eigenvalue of a pseudo-inertia that counts as positive
-_GYRATION_M = 0.05  # with which the search for a body begins
+_ROUND = np.array([1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 2.0])
 _WIDER = 1e-2  # precision of a prior that tells little, in that of the prior of a load
 _PLANES = 12  # of the cone of bodies, onto which a load is projected
 _SETTLED = 0.01  # nats of a step that changes no decision
@@ -51,9 +50,16 @@ def cost_of_body(x: Array, spread: Array, sizes: Array, link: Array) -> float:
         return 0.0
     values, vectors = np.linalg.eigh(_pseudo(link))
     whole = (vectors * np.maximum(values, 0.0)) @ vectors.T  # some descriptions have no body
-    each, both = sizes[:, None, None] * _each(), np.linalg.inv(spread)
-    S = np.linalg.inv(both - (1.0 - _WIDER) * np.eye(PER_LINK))
-    start = y = S @ both @ x
+    both: Array = np.asarray(np.linalg.inv(spread), float)
+    S: Array = np.asarray(np.linalg.inv(both - (1.0 - _WIDER) * np.eye(PER_LINK)), float)
+    start = S @ both @ x
+    y = _projected(start, S, whole, sizes)
+    return float(0.5 * (y - start) @ np.linalg.solve(S, y - start))
+
+
+def _projected(start: Array, S: Array, whole: Array, sizes: Array) -> Array:
+    """Return the nearest load with which a pseudo-inertia `whole` is a body; S: covariance."""
+    y, each = start, sizes[:, None, None] * _each()
     for _ in range(_PLANES):
         values, vectors = np.linalg.eigh(whole + np.tensordot(y, each, 1))
         if values[0] >= 0.0:
@@ -63,26 +69,13 @@ def cost_of_body(x: Array, spread: Array, sizes: Array, link: Array) -> float:
         y = y - S @ normal * (values[0] / size)
         if values[0] ** 2 < 2.0 * _SETTLED * size:
             break
-    return float(0.5 * (y - start) @ np.linalg.solve(S, y - start))
+    return np.asarray(y)
 
 
 def possible_inertial(theta: Array, covariance: Array) -> Array:
-    """
-    Return the likeliest parameters (10,) that a body, or a negative one for a lack, can have.
-
-    theta (10,) and covariance (10, 10) are those of the fit. Log-Cholesky parameters: C. Rucker
-    and P. M. Wensing, IEEE RA-L 7(2), 2022.
-    """
+    """Return the likeliest parameters (10,) of a body, or of a negative one for a lack."""
     sign = 1.0 if theta[0] >= 0.0 else -1.0
-    if is_body(sign * theta):
-        return theta
-    log_cholesky = pinocchio().LogCholeskyParameters
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance))))
-
-    def body(x: Array) -> Array:
-        return np.asarray(sign * log_cholesky(x).toDynamicParameters())
-
-    start = np.zeros(10)
-    start[:4] = 0.5 * np.log(max(abs(theta[0]), 1e-3)), *3 * [np.log(_GYRATION_M)]
-    found = least_squares(lambda x: whiten @ (body(x) - theta), start, method='trf', max_nfev=200)
-    return body(found.x)
+    body = _projected(sign * theta, covariance, np.zeros((4, 4)), np.ones(PER_LINK))
+    short = np.linalg.eigvalsh(_pseudo(body))[0]
+    # What is short of a body by less than data tell: _ROUND has the unit matrix.
+    return np.asarray(sign * (body + max(_LEAST - short, 0.0) * _ROUND))

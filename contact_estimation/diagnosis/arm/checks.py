@@ -3,32 +3,30 @@
 
 """Checks of recordings of an arm for wrong use, made before any physics is named."""
 
-from copy import copy
-from itertools import chain, combinations
-from typing import Any, Iterator, NamedTuple, Sequence
+from dataclasses import replace
+from itertools import combinations
+from math import log
+from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment, lsq_linear, nnls
 
-from .arm_recording import ArmRecording, Array
+from .arm_recording import ArmRecording
 from .channels import Channels
+from .gram import INEXACT
+from .reading import Evidence, Reading
 from ..checks.check import Check
-from ...kinematics.arm_dynamics import ArmDynamics, PER_LINK
+from ...kinematics.arm_dynamics import ArmDynamics
 
-_WELL = 0.5  # share of a torque's variance that a plain model leaves of a joint that is read right
-_IN_ORDER = 0.1  # the same of joints whose order is beyond doubt
-_EXCHANGED = 4.0  # nats that an exchange gains in all: one of dozens that are tried
-_HALF, _MOSTLY_READ = 0.5, 0.3  # of what is left without a load, and of a torque: its gain shows
-_ROWS = 300  # samples that tell a misreading
-_FOLD = 1.0  # nats of log error that another reading must gain in each joint
-# Most of a load, in the mass of the links (rated are 0.1 to 0.5), and of its centre's distance
-_CARRIES, _REACH_M = 0.5, 0.5
-_TILTED = np.radians(20.0)  # base, of which gravity is not linear in the angle any more
-_GAIN = 2.5  # published gains of one arm differ by half; a unit by at least so much
-_LOADED = 0.1  # of the largest modelled torque: a joint whose links tell its gain
-_LAG_S, _LAGS_S = 0.02, np.linspace(-0.2, 0.2, 41)  # told; tried
 _DEGREES = np.pi / 180.0
 _BEYOND = 1.2  # times a limit
+_ODDS = log(100.0)  # against a misreading of each kind beforehand, and for one that is told
+_LAG_S, _LAGS = 0.02, 10  # delay of a sensor or bus; longest that is tried, in these
+_LAW_GAIN = log(1.5)  # published gains of one arm differ by up to half
+_TILTED = np.radians(20.0)  # of a base, from which on gravity is not linear in the angle
+_CAPS = 2.0 / (1.0 - np.cos(_TILTED))  # directions that differ by so much
+# Loads, in the mass of the links: rated are 0.1 to 0.5, hands a tenth of that.
+_LOADS = 0.5, 0.05
+_MOST = 4  # misreadings and laws of one recording
 
 
 def check_description(arm: ArmDynamics) -> Check:
@@ -91,199 +89,126 @@ def check_wrench(recording: ArmRecording, arm: ArmDynamics) -> Check:
         'joints; set force_sensor.frame in --params to the link of the sensor'))
 
 
-class Reading:
-    """A recording as the plainest model sees it: load, friction, rotor, zero, and a spring."""
+class Candidate(NamedTuple):
+    """A way in which a recording may be read."""
 
-    def __init__(self, channels: Channels, most: int | None = None) -> None:
-        self.channels, self.arm, self.joints = channels, channels.arm, channels.measured
-        pieces = channels.pieces[:most]
-        self.q, self.v, self.tau = (np.concatenate([getattr(one, name) for one in pieces])
-                                    for name in ('q', 'v', 'tau'))
-        self.load = self.tau - np.concatenate([one.residual for one in pieces])
-        self.a = np.concatenate([np.gradient(one.v, one.t, axis=0) for one in pieces])
-        self.t = np.concatenate([one.t for one in pieces])
-        first = pieces[0].outside
-        self.outside = first and first._replace(wrench=np.concatenate(
-            [one.outside.wrench for one in pieces if one.outside is not None]))
-
-    def thinned(self) -> 'Reading':
-        """Return some of its samples."""
-        some, count = copy(self), len(self.q)
-        rows = np.linspace(0, count - 1, min(count, _ROWS)).astype(int)
-        for name in ('q', 'v', 'a', 'tau', 'load'):
-            setattr(some, name, getattr(self, name)[rows])
-        some.outside = self.outside and self.outside._replace(wrench=self.outside.wrench[rows])
-        return some
-
-    def otherwise(self, motion: Any, torque: Any = 1.0) -> 'Reading':
-        """Return the reading with a function of all positions, and of the torques."""
-        other = copy(self)
-        other.q, other.v, other.a = motion(self.q), motion(self.v), motion(self.a)
-        other.tau = motion(self.tau) if torque else self.tau
-        other.load = self.arm.torque(other.q, other.v, other.a) - self.arm.torque_from(
-            other.q, self.outside)
-        return other
-
-    def plain(self, k: int) -> list[Array]:
-        """Return friction, rotor, zero and spring of joint k."""
-        q, v = self.q[:, k], self.v[:, k]
-        return [np.tanh(v / (0.05 * self.channels.speed[k])), v, self.a[:, k],
-                np.ones(len(q)), np.sin(q), np.cos(q)]
-
-    def fit(self, tau: Array, k: int, load: Array, free: bool = False) -> tuple[float, float]:
-        """Return the log share of a torque that joint k leaves, and the gain of a `free` load."""
-        # Friction never drives; a spring may be any.
-        plain = self.plain(k)
-        X = np.stack([*plain, *(-x for x in plain[-3:]), load * free], axis=1)
-        scale = np.sqrt(np.mean(X**2, axis=0)) + 1e-12
-        theta, rest = nnls(X / scale, tau - load * (not free))
-        return (float(np.log(rest**2 / (len(tau) * (tau.var() + 1e-12)) + 1e-4)),
-                float(theta[-1] / scale[-1]))
-
-    def carrying(self) -> Array:
-        """Return the loads if the flange carries what fits, up to half of what moves."""
-        Y = self.arm.regressor(self.q, self.v, self.a)[..., -PER_LINK:][..., :4]
-        A, most = self.beyond_plain(Y, self.load), _CARRIES * float(self.arm.masses.sum())
-        carried = lsq_linear(A[:, :-1], A[:, -1], ([0.0, *3 * [-most * _REACH_M]],
-                                                   [most, *3 * [most * _REACH_M]])).x
-        return np.asarray(self.load + Y @ carried)
-
-    def beyond_plain(self, Y: Array, load: Array) -> Array:
-        """Return columns (N, n, K), and torques less a load, of which no plain law is a part."""
-        every, rows = np.concatenate([Y, (self.tau - load)[..., None]], axis=2), []
-        for j in self.joints:
-            X = np.stack(self.plain(j), axis=1)
-            left = every[:, j] - X @ np.linalg.lstsq(X, every[:, j], rcond=None)[0]
-            rows.append(left / (self.tau[:, j].std() + 1e-12))
-        return np.concatenate(rows)
-
-    def compared(self, j: int) -> str:
-        """Return range of a joint's torque, and its correlation with that of the description."""
-        tau, load = self.tau[:, j], self.load[:, j]
-        both = np.stack([tau - tau.mean(), load - load.mean()])
-        alike = both[0] @ both[1] / (np.prod(np.linalg.norm(both, axis=1)) + 1e-12)
-        return (f'{self.arm.joints[j]} has {np.ptp(tau):.3g} N m from end to end, '
-                f'{np.ptp(load):.3g} expected; correlation {alike:.2f}')
-
-    def errors(self, load: Array | None = None, sign: float = 1.0) -> Array:
-        """Return the log error of each joint with a torque."""
-        load = self.load if load is None else load
-        return np.array([self.fit(sign * self.tau[:, j], j, load[:, j])[0] for j in self.joints])
-
-
-class Misreading(NamedTuple):
-    """A way in which a recording may be wrong."""
-
-    check: str
+    check: str  # '' for a law, which the comparison of models names
     text: str
-    errors: Array  # log errors of all joints if it is so
-    price: float = _EXCHANGED  # of one of dozens that are tried [nat]
+    reading: Reading
+    evidence: Evidence
+    places: float = 1.0  # as likely ways of its kind
+    brief: str = ''  # in a list
 
 
-def _flipped(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return torques that count in the other direction."""
-    flipped = reading.errors(sign=-1.0)
-    wrong = (right - flipped > 2.0 * _FOLD) & (flipped < np.log(_WELL))
-    names = ', '.join(reading.arm.joints[j] for j, one in zip(reading.joints, wrong) if one)
-    if names:
-        yield Misreading('torque_sign', (
-            f'the torques of {names} have the opposite sign: they brake where the arm must '
-            f'push ({reading.compared(reading.joints[int(np.argmax(wrong))])}); publish the '
-            'torque that the drive applies to the joint'),
-            np.where(wrong, flipped, right), 0.0)
-
-
-def _disordered(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return efforts in another order than the names."""
-    joints, names = reading.joints, [reading.arm.joints[j] for j in reading.joints]
-    table = np.array([[reading.fit(reading.tau[:, i], k, reading.load[:, k])[0] for k in joints]
-                      for i in joints])
-    chosen = linear_sum_assignment(table)[1]
-    moved = [k for k, other in enumerate(chosen) if other != k]
-    gains = np.array([table[k, k] - table[k, chosen[k]] for k in moved])
-    if moved and gains.min() > 0.5 * _FOLD and gains.mean() > _FOLD:
-        pairs = ', '.join(f'{names[k]} holds that of {names[chosen[k]]}' for k in moved)
-        yield Misreading('joint_order', (
-            f'efforts are in another order than names: {pairs}; publish them in the order of '
-            '`name`'), table[range(len(joints)), chosen], 0.0)
-
-
-def _exchanged(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return positions, or all states, of two joints that are exchanged."""
-    names = reading.arm.joints
-    for i, k in combinations(reading.joints, 2):
+def _exchanged(reading: Reading) -> Iterator[Candidate]:
+    """Yield efforts, or all states, of two joints in the order of each other."""
+    names, joints = reading.arm.joints, reading.joints
+    for i, k in combinations(joints, 2):
         order = np.arange(len(names))
         order[[i, k]] = k, i
-        for both in (True, False):
-            yield Misreading('joint_order', (
-                f'{"the states" if both else "the positions"} of {names[i]} and {names[k]} are '
-                'exchanged: with them in the other order the torques fit; correct the order of '
-                '`name`'), reading.otherwise(lambda x: x[:, order], both).errors())
+        for what, other in (('efforts', reading.but(tau=reading.tau[:, order])),
+                            ('states', reading.moved(lambda x: x[:, order], True))):
+            yield Candidate('joint_order', (
+                f'the {what} of {names[i]} and {names[k]} are exchanged: with them in the other '
+                'order the torques fit; publish them in the order of `name`'), other,
+                other.evidence(), len(joints) * (len(joints) - 1.0),
+                f'exchanged {what} of {names[i]} and {names[k]}')
 
 
-def _mirrored(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return positions of a joint that count in the other direction, or its torques as well."""
-    for j, name in enumerate(reading.arm.joints):
-        sign = np.where(np.arange(len(reading.arm.joints)) == j, -1.0, 1.0)
-        for both in (True, False):
-            yield Misreading('position_sign', (
-                f'the position of {name} counts in the other direction than in the description'
-                f'{", and so does its torque" if both else ""}: turn the sign of the encoder'
-                f'{" and of the torque" if both else ""}, or the axis of the joint'),
-                reading.otherwise(lambda x: x * sign, both).errors())
+def _turned(reading: Reading) -> Iterator[Candidate]:
+    """Yield positions, torques, or both of a joint, and all torques, of the opposite sign."""
+    names = reading.arm.joints
+    for j, name in enumerate(names):
+        sign = np.where(np.arange(len(names)) == j, -1.0, 1.0)
+        ways = [('position_sign', f'the position of {name} counts', 'encoder',
+                 reading.moved(lambda x: x * sign, False))]
+        if j in reading.joints:
+            ways += [('position_sign', f'position and torque of {name} count',
+                      'encoder and of the torque', reading.moved(lambda x: x * sign, True)),
+                     ('torque_sign', f'the torque of {name} counts', 'torque',
+                      reading.but(scale=reading.scale * sign))]
+        for check, what, remedy, other in ways:
+            yield Candidate(check, (
+                f'{what} in the other direction than in the description: turn the sign of the '
+                f'{remedy}, or the axis of the joint'), other, other.evidence(),
+                2.0 * len(names), f'sign of {what.rpartition(" count")[0]}')
+    other = reading.but(scale=-reading.scale)
+    yield Candidate('torque_sign', (
+        'all torques have the opposite sign: they brake where the arm must push; publish the '
+        'torque that the drive applies to the joint'), other, other.evidence())
 
 
-def _lacking(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return torques that lack those of gravity, or all of the arm."""
-    still = np.zeros_like(reading.q)
-    shown = reading.compared(int(np.argmax(np.ptp(reading.load, axis=0))))
-    yield Misreading('torque_gravity', (
-        f'the torques lack those of gravity ({shown}): the controller compensates it and '
-        'publishes what it adds; record the measured torque, or add the gravity torque of the '
-        'controller'),
-        reading.errors(reading.load - reading.arm.torque(reading.q, still, still)))
-    yield Misreading('torque_external', (
-        f'the torques show none of the weight and inertia of the arm ({shown}): an estimate of '
-        'external torques, what a controller adds, or another unit, such as currents or torques '
-        'of the motors; record the torque of each joint in N m'), reading.errors(
-            -reading.arm.torque_from(reading.q, reading.outside)))
+def _scaled(reading: Reading) -> Iterator[Candidate]:
+    """Yield torques of another unit or gain: of one joint, of all, or without any load."""
+    sizes = reading.tau[:, reading.joints].std(axis=0), reading.modelled.std(axis=1)
+    sizes[1][:] = np.maximum(sizes[1], 1e-3 * sizes[0])
+    for j in (*reading.joints, -1):
+        which = reading.joints if j < 0 else [j]
+        at = [reading.joints.index(k) for k in which]
+        gain = float(np.linalg.norm(sizes[0][at]) / np.linalg.norm(sizes[1][at]))
+        for _ in range(2):
+            scale = reading.scale.copy()
+            scale[which] *= gain
+            other = reading.but(scale=scale)
+            found = other.evidence(j, other.modelled[..., None] if j < 0 else None)
+            gain *= float(1.0 + found.further[0] if j < 0 else found.gains[at[0]])
+        law = gain > 0.0 and abs(log(gain)) < (_LAW_GAIN if j >= 0 else 2.0 * INEXACT)
+        where = reading.arm.joints[j] if j >= 0 else 'all joints'
+        yield Candidate('' if law else 'torque_unit' if gain > 0.0 else 'torque_sign', (
+            f'the torque of {where} is {gain:.3g} times that in N m: '
+            + ('multiply currents by motor constant and gear ratio, N mm by 0.001' if gain > 0.0
+               else 'publish the torque that the drive applies to the joint')), other, found,
+            1.0 if j < 0 else len(reading.joints), f'gain of {where} ({gain:.2g})')
+    other = reading.but(scale=0.0 * reading.scale)
+    yield Candidate('torque_external', (
+        'the torques show none of the weight and inertia of the arm: an estimate of external '
+        'torques, what a controller adds, or another unit, such as currents or torques of the '
+        'motors; record the torque of each joint in N m'), other, other.evidence())
 
 
-def _mounted(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return gravity in another direction: a base on a wall or on the ceiling."""
-    still = np.zeros_like(reading.q)
-    weight = reading.arm.torque(reading.q, still, still)
-    Y = np.concatenate([reading.arm.tilt(reading.q), -weight[..., None]], axis=2)
-    A = reading.beyond_plain(Y, reading.load - weight)
-    down = np.linalg.lstsq(A[:, :-1], A[:, -1], rcond=None)[0]
+def _mounted(reading: Reading) -> Iterator[Candidate]:
+    """Yield gravity in another direction, and torques without it."""
+    arm = reading.arm
+    weightless = replace(reading, arm=arm.with_gravity(np.zeros(3)))
+    yield Candidate('torque_gravity', (
+        'the torques lack those of gravity: the controller compensates it and publishes what it '
+        'adds; record the measured torque, or add the gravity torque of the controller'),
+        weightless, weightless.evidence())
+    size = float(np.linalg.norm(arm.model.gravity.linear))
+    along = [replace(reading, arm=arm.with_gravity(size * axis)).modelled - weightless.modelled
+             for axis in np.eye(3)]
+    down = weightless.evidence(further=np.stack(along, axis=2)).further
     down /= np.linalg.norm(down) + 1e-12
-    if down[2] > -np.cos(_TILTED):
-        along = ', '.join(f'{x + 0.0:.2f}' for x in down)
-        yield Misreading('base_mounting', (
-            f'gravity acts along ({along}) of the base, and not along (0, 0, -1): the arm is '
-            'mounted on a wall or a ceiling; turn the root of the description by a fixed joint'),
-            reading.errors(reading.load - weight + Y @ down))
+    wrong = down @ arm.model.gravity.linear < size * np.cos(_TILTED)
+    other = replace(reading, arm=arm.with_gravity(size * down))
+    yield Candidate('base_mounting' if wrong else '', (
+        f'gravity acts along ({", ".join(f"{x + 0.0:.2f}" for x in down)}) of the base: the arm '
+        'is mounted on a wall or a ceiling; turn the root of the description by a fixed joint'),
+        other, other.evidence(), _CAPS if wrong else 1.0)
 
 
-def _units(reading: Reading, right: Array) -> Iterator[Misreading]:
-    """Return torques of another unit, or of the motor in place of the joint."""
-    sizes = np.sqrt(np.mean(reading.load**2, axis=0))
-    errors, texts = right.copy(), []
-    for k, j in enumerate(reading.joints):
-        left, gain = reading.fit(reading.tau[:, j], j, reading.load[:, j], free=True)
-        none = reading.fit(reading.tau[:, j], j, 0.0 * reading.load[:, j])[0]
-        if 1.0 / _GAIN < gain < _GAIN:
-            continue
-        errors[k] = min(left + _FOLD, right[k])
-        shown = left < min(none + np.log(_HALF), np.log(_MOSTLY_READ))
-        if shown and sizes[j] >= _LOADED * sizes.max():
-            texts.append(f'{reading.arm.joints[j]} {gain:.3g}')
-    if texts:
-        yield Misreading('torque_unit', (
-            'torques are not those of the joints in N m; measured over modelled, about 1 '
-            f'expected: {", ".join(texts)}; multiply currents by motor constant and gear ratio, '
-            'N mm by 0.001'), errors, 0.0)
+def _late(reading: Reading) -> Iterator[Candidate]:
+    """Yield torques that are stamped later or earlier."""
+    for k in (k for k in range(-_LAGS, _LAGS + 1) if k):
+        other, word = reading.late(_LAG_S * k), 'later' if k > 0 else 'earlier'
+        brief = f'{1e3 * _LAG_S * abs(k):.0f} ms {word}'
+        yield Candidate('clock_offset' if abs(k) > 1 else '', (
+            f'torques are stamped about {brief} than positions, or a joint yields; stamp both '
+            'when they are measured'), other, other.evidence(), 2.0 * _LAGS, brief)
 
+
+def _loaded(reading: Reading) -> Iterator[Candidate]:
+    """Yield a load at the flange, or a hand of the description that the arm lacks."""
+    for share in () if reading.load else _LOADS:
+        other = reading.but(load=share * float(reading.arm.masses.sum()))
+        found = other.evidence()
+        yield Candidate('tool' if found.lacking > 2.0 * _ODDS else '', (
+            f'the description has about {-found.load:.2g} kg more at {reading.arm.links[-1]} than '
+            'the arm: a hand or a tool that is not mounted; remove its <inertial>, or mount it'),
+            other, found, brief=f'a hand of {-found.load:.2g} kg')
+
+
+_WAYS = (_exchanged, _turned, _scaled, _mounted, _late, _loaded)
 
 _READ = {
     'torque_sign': 'torques drive the motion',
@@ -293,47 +218,46 @@ _READ = {
     'torque_external': 'torques move the arm',
     'base_mounting': 'gravity acts along -z of the base',
     'torque_unit': 'torques have the size of those of the joints in N m',
+    'clock_offset': 'torques and positions have one clock',
+    'tool': 'the description has no tool that the arm lacks',
 }
 """What is right, by check."""
 
+_HARMLESS = 'clock_offset', 'tool'
+
 
 def check_reading(reading: Reading) -> list[Check]:
-    """Refuse what another reading of signs, order, units or kind of torques explains best."""
-    some = reading.thinned()
-    right = some.errors()
-    # Outermost, a heavy load looks like torques of another unit.
-    best, found = min(float(right.sum()), float(some.errors(some.carrying()).sum())), None
-    # Friction, rotor and spring of a joint follow a torque of any unit.
-    ways = (_flipped, _disordered, _exchanged, _mirrored, _lacking, _mounted, _units)
-    for one in chain.from_iterable(tried(some, right) for tried in (
-            ways if (right >= np.log(_IN_ORDER)).any() else ways[-1:])):
-        if one.errors.sum() + one.price < best:
-            best, found = float(one.errors.sum()) + one.price, one
-    if found is not None:
-        return [Check(found.check, False, found.text, fatal=True)]
-    return [Check(name, True, text) for name, text in _READ.items()]
+    """Say which readings are likelier than the recording as it is, and which are as likely."""
+    found, told, alike = reading.evidence(), dict[str, Check](), dict[str, list[str]]()
+    for _ in range(_MOST):
+        every = [one for way in _WAYS for one in way(reading)]
 
+        def odds(one: Candidate) -> float:
+            return one.evidence.nat - found.nat - log(one.places) - _ODDS
 
-def check_clock(reading: Reading) -> Check:
-    """Say by how much torques are stamped later than positions; `reading` of one piece."""
-    t, scores = reading.t, list[float]()
-    for lag in _LAGS_S:
-        some = copy(reading)
-        for name in ('load', 'q', 'v', 'a'):
-            setattr(some, name, np.stack([np.interp(t - lag, t, column)
-                                          for column in getattr(reading, name).T], axis=1))
-        scores.append(float(some.errors().sum()))
-    best = int(np.argmin(scores))
-    lag = float(_LAGS_S[best])
-    at_zero = scores[len(_LAGS_S) // 2]
-    late = abs(lag) > _LAG_S and scores[best] < at_zero - _FOLD
-    word = 'later' if lag > 0.0 else 'earlier'
-    return Check('clock_offset', not late, (
-        f'torques are stamped about {1e3 * abs(lag):.0f} ms {word} than positions; stamp both '
-        'when they are measured') if late else 'torques and positions have one clock')
+        # A misreading must be likelier than the best law, and than none.
+        best, law = (max((one for one in every if bool(one.check) == wrong), key=odds)
+                     for wrong in (True, False))
+        lawful = odds(law) > 0.0
+        if odds(best) > max(odds(law), 0.0) + _ODDS:
+            told[best.check] = Check(best.check, False, best.text,
+                                     fatal=best.check not in _HARMLESS)
+            reading, found = best.reading, best.evidence
+            continue
+        if lawful:
+            reading, found = law.reading, law.evidence
+        for one in every:
+            if one.check and one.brief and one.evidence.nat > found.nat - _ODDS:
+                alike.setdefault(one.check, []).append(one.brief)
+        if not lawful:
+            break
+    return [told.get(name) or Check(name, True, text if name not in alike else (
+        f'{text}; this motion does not tell: {", ".join(dict.fromkeys(alike[name]))}'),
+        tested=name not in alike) for name, text in _READ.items()]
 
 
 def examine(channels: Channels) -> list[Check]:
-    """Make all checks that need the dynamics; what follows one that fails has no meaning."""
-    found = check_reading(Reading(channels))
-    return found if not found[-1].ok else [*found, check_clock(Reading(channels, 1))]
+    """Make all checks that need the dynamics, of each recording."""
+    files = sorted({one.file for one in channels.pieces})
+    every = [check_reading(Reading.of(channels, file)) for file in files]
+    return next((one for one in every if not all(check.ok for check in one)), every[0])

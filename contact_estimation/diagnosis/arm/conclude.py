@@ -25,10 +25,9 @@ from ...physics.joint_effects import JOINT_EFFECTS
 
 _WORTH = 0.005  # of the variance of a joint's torque: the least that is worth a name
 _WORTH_CERTAIN, _BEYOND_DOUBT = 1e-4, 20.0  # the same of what the score would lose so much without
-_CERTAIN, _TOLD = 3.0, 2.0  # standard deviations of a lack of mass, and of a value of any law
+_TOLD = 2.0  # standard deviations of a value of any law
 _SMALL, _LARGE, _MOSTLY = 0.02, 0.06, 0.9  # of the range of a torque, of its variance
 _EXPLAINED = 0.5  # of a misfit, beyond which it is not unexplained
-_LEAST_TOOL_KG = 0.1
 _SHOWN = 200  # samples of a motion for the apparent mass
 
 
@@ -107,7 +106,7 @@ def _concluded(
     joints = _joints(space, named, effects)
     verdict = max((one.verdict for one in joints), key=VERDICTS.index)
     diagnosis = ArmDiagnosis(
-        verdict, effects, joints, silent, [*checks, _tool(names, effects)],
+        verdict, effects, joints, silent, checks,
         channels=channels, model=model, fitted=found, compared=compared,
         apparent_mass=_apparent_mass(channels))
     return replace(diagnosis, holdouts=[_held_out(diagnosis, one) for one in tested],
@@ -190,21 +189,6 @@ def _plain_friction(
     X, y = (np.concatenate(one) for one in zip(*rows))
     F_c, B = np.round(nnls(X, y)[0], 9)
     return float(F_c), float(B)
-
-
-def _tool(names: ArmNames, effects: Sequence[ArmEffect]) -> Check:
-    """Say if the description carries a hand that the arm does not."""
-    gram = names.space.gram
-    for one in effects:
-        if one.name != 'payload':
-            continue
-        mass, most = one.parameters['mass'].value, gram.channels.arm.masses[one.term.place]
-        # More than the link has is no tool: another law is bent.
-        if -most <= mass < -max(_CERTAIN * names.stds[one.term][0], _LEAST_TOOL_KG):
-            return Check('tool', False, (
-                f'the description has {-mass:.2g} kg more at {one.link} than the arm: a '
-                'hand or a tool that is not mounted; remove its <inertial>, or mount it'))
-    return Check('tool', True, 'the description has no tool that the arm lacks')
 
 
 def _held_out(diagnosis: ArmDiagnosis, recording: ArmRecording) -> HeldOutArm:

@@ -48,6 +48,7 @@ _NOISE_KNOWN = 0.4  # of the mean square of noise: its standard deviation to a f
 _BLOCKS, _FEWEST = 16, 4
 _ANOTHER = 2.0  # independent errors of a block at least: one alone is like its neighbours
 _INDEPENDENT = ARM.independent  # errors of a block
+MOST_ERRORS = _BLOCKS * _INDEPENDENT
 _KEPT = 400  # eliminations: some 100 MB for seven joints
 
 

@@ -145,24 +145,24 @@ class ArmModels:
 
     def _refined(self, model: Model) -> Model:
         """Improve the laws of each joint in turn, given those that joints share."""
-        best = model
-        for _ in range(_ROUNDS):
-            start = best
-            for k, j in enumerate(self.gram.joints):
-                better = self._climbed(best, k, j)
-                if better != best and self.score(better) > self.score(best):
-                    best = better
-            if best == start:
+        best, since = model, 0
+        every = [*enumerate(self.gram.joints)]
+        for count, (k, j) in enumerate(every * _ROUNDS):
+            better = self._climbed(best, k, j, count < len(every))
+            changed = better != best and self.score(better) > self.score(best)
+            best, since = (better, 0) if changed else (best, since + 1)
+            if since == len(every):
                 break
         return self._pruned(best)
 
-    def _climbed(self, model: Model, k: int, j: int) -> Model:
-        """Improve the laws of one joint, with the shared coefficients as they are."""
+    def _climbed(self, model: Model, k: int, j: int, wide: bool) -> Model:
+        """Improve the laws of one joint, `wide`: from all usual ones, too."""
         judge = JointJudge(self, model, k)
         mine = frozenset(judge.local)
-        # Laws that lack together hide each other: from all usual ones, too, down to those needed.
-        full = mine.union(self._can_add(mine, self._usual[j]))
-        ends = [self._climb(judge, start, model - mine, self._local[j]) for start in (mine, full)]
+        # Laws that lack together hide each other.
+        full = mine.union(self._can_add(mine, self._usual[j])) if wide else mine
+        ends = [self._climb(judge, start, model - mine, self._local[j])
+                for start in dict.fromkeys((mine, full))]
         scores = judge.scores(ends)
         best = max(scores, key=lambda one: scores[one], default=mine)
         return frozenset(model - mine | best)
@@ -224,10 +224,9 @@ class ArmModels:
                      for one, start in zip(wider, starts)]
             best = int(np.argmax(worth))  # the laws of the joints are bent to do without it
             if worth[best] > -_NEAR:
-                gains.append((worth[best], wider[:1] + wider[best:best + 1] * (best > 0)))
+                gains.append((worth[best], wider[best]))
         gains.sort(key=lambda pair: -pair[0])
-        return self._known([self._refined(start) for _, starts in gains[:_TRIED]
-                            for start in starts])
+        return self._known([self._refined(start) for _, start in gains[:_TRIED]])
 
     def _promise(self, model: Model) -> float:
         """Return the score of a model even if its values are not possible before refinement."""

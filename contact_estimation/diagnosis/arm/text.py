@@ -61,6 +61,7 @@ def as_text(d: ArmDiagnosis) -> str:
     if d.apparent_mass:
         sections.append(['Apparent mass of the tip along the direction in which it presses: '
                          '{:.3g} kg ({:.3g} to {:.3g} kg)'.format(*d.apparent_mass)])
+    sections.append([f'Check {one.name}: {one.text}' for one in d.checks if not one.tested])
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}.'])
     if d.contact is not None:

@@ -24,7 +24,7 @@ class Check:
     text: str  # measured, expected and, if not ok, what to change
     fatal: bool = False  # whether nothing can be diagnosed before that
     could_cause: frozenset[str] = frozenset()  # effects that the wrong use would be mistaken for
-    tested: bool = True  # false if another check that failed leaves it without meaning
+    tested: bool = True  # false if the data, or another check that failed, leave it open
 
 
 class Finding(NamedTuple):
