@@ -117,9 +117,9 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     """
     Drop names of which the share is too little, or not above 0 with 95 % over the parts.
 
-    What is little of a law is told by what the zeros leave. What every rig has is worth a name if
-    it is more than the discrepancy of every instrument, and stays in the model of a law in any
-    case: without it the law would bend to make up for it.
+    What is little of a law is told by what the zeros leave. What takes less than the discrepancy
+    of every instrument is worth no name, unless the law is exact. What every rig has stays in the
+    model of a law in any case: without it the law would bend to make up for it.
     """
     evidence = compared.evidence
     c = evidence.constants
@@ -131,7 +131,7 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
     little = [effect for effect, part in told.items()
               if part.share.share < least * (1.0 if effect in ZEROS else of_laws)
-              or effect in NUISANCES and part.gain.sum() < usual
+              or part.gain.sum() < usual
               or _may_be_none(part.share) and _may_be_none(part.beside)]
     fewer = _dropped(compared, named, little, without, NUISANCES) if little else None
     if fewer is not None:
