@@ -84,6 +84,24 @@ ZERO, F_C, B_E, PERIOD = 250.0, 6.0, 600.0, 5.0
 LAW = 'coulomb_friction'
 
 
+def bowed(share: float) -> Diagnosis:
+    """Diagnose a bar with an intercept that bends by a share of its force, which strays, too."""
+    t = np.arange(690) / RATE_HZ
+    s = t / t[-1]
+    x = 2.6e-3 + 1.46e-3 * s
+    random = np.random.default_rng(2)
+    stray = 22.0 * np.sin(3.0 * t) * np.sin(0.7 * t) + random.normal(0.0, 4.5, len(t))
+    force = -1.02e7 * (x - 0.9e-3) - 1.49e4 * share * (1.0 - (2.0 * s - 1.0)**2) + stray
+    model = nominal(environment__stiffness=1e7, environment__damping=1e8,
+                    environment__unilateral=False)
+    return diagnosed(Signals(t, force, t, x, np.empty(0), np.empty((4, 0))), model)
+
+
+def test_a_bend_within_what_instruments_leave_is_no_law() -> None:
+    assert named(bowed(0.01)) == ['force_bias']
+    assert families(bowed(0.05)) == {'sensor_zero', 'elastic_law'}
+
+
 def held(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> Signals:
     """Return signals of what is not moved by a robot."""
     return Signals(t, -force, t, x, np.empty(0), np.empty((4, 0)))

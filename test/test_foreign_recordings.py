@@ -101,6 +101,7 @@ def test_wrenches_of_any_type_are_read_with_the_time_of_reception(
 @pytest.mark.parametrize('kind, wrench, options, text', [
     ('geometry_msgs/msg/Wrench', unstamped, {}, 'Wrench, which has no stamp; .*--stamps received'),
     (ARRAY, array, {}, r'type std_msgs/msg/Float64MultiArray, .*--wrench-field .* data\[\] '),
+    ('lab_msgs/msg/Board', custom, {}, r'such as samples\[0\].force; .* samples\[0:2\].force.x'),
     (ARRAY, array, {'wrench_field': 'data[0:6]'}, 'no stamp; .*--stamps received'),
     (ARRAY, array, {'wrench_field': 'force', 'stamps': 'received'}, 'it holds: .*data'),
     (ARRAY, array, {'wrench_field': 'data[', 'stamps': 'received'}, 'must be a path such as'),
@@ -110,8 +111,9 @@ def test_wrenches_of_any_type_are_read_with_the_time_of_reception(
 def test_other_types_are_named_with_what_they_hold(
     tmp_path: Path, kind: str, wrench: Any, options: Any, text: str
 ) -> None:
+    definition = DEFINED if wrench is custom else ''
     with pytest.raises(ce.ContactEstimationError, match=text):
-        ce.read_table(bag(tmp_path / 'a.mcap', kind, wrench), **options)
+        ce.read_table(bag(tmp_path / 'a.mcap', kind, wrench, definition), **options)
 
 
 @pytest.mark.parametrize('frame_id, first, left_out', [('', 0, 60), ('b', 1, 60), ('c', 0, 120)])

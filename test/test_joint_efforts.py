@@ -19,7 +19,8 @@ from contact_estimation.pipeline.joint_torques import Joints, JointTorques
 from contact_estimation.pipeline.parameters import EstimationParameters
 from contact_estimation.pipeline.session import ContactSession
 from contact_estimation.recordings.encoding import encode_arm
-from effort_worlds import B_E, described, K_E, messages, model, motion, parameters, POINT
+from effort_worlds import (
+    B_E, described, K_E, location, messages, model, motion, parameters, POINT)
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -159,6 +160,19 @@ def test_diagnosis_reads_the_same_force(recorded: Path) -> None:
     _, results = run_once()
     force = np.array([one.sample.force for one in results])
     np.testing.assert_allclose(found.force[:len(force)], force, atol=0.2)
+
+
+def test_diagnosis_blames_no_wall_for_a_description_that_is_off(
+    recorded: Path, tmp_path: Path
+) -> None:
+    (tmp_path / 'off.urdf').write_text(described(0.9, 0.98))
+    recording = ce.read_recording(recorded, parameters=parameters(
+        robot_description_file=str(tmp_path / 'off.urdf'), joint_torques_std=0.1))
+    assert 1.0 < recording.sensor_error < 10.0
+    nominal = build(ce.PlantParameters, {
+        'environment.stiffness': K_E, 'environment.damping': B_E,
+        'environment.location': location()})
+    assert not ce.diagnose([recording], nominal).effects
 
 
 @pytest.mark.parametrize('changes, text', [

@@ -164,6 +164,23 @@ def test_a_force_that_is_no_contact_is_said_with_its_reason(
     assert refusal.count('a force that is neither that of free flight nor of the wall') == 1
 
 
+def test_an_estimate_that_is_withheld_at_the_end_is_said_to_be(
+    tmp_path: Path, command: Command
+) -> None:
+    t = np.arange(0.0, 14.0, 0.005)
+    x = 0.005 * np.sin(t) + 0.001 * np.sin(15.0 * t)
+    noise = np.random.default_rng(1).normal(0.0, 0.1, len(t))
+    force = np.minimum(0.0, -4000.0 * x) + noise
+    force[t > 8.0] = -7.0  # the sensor is lost
+    ce.write_recording(tmp_path / 'a.mcap', {
+        't_ns': np.round(1e9 * t).astype(np.int64), 'joint.x': x, 'wrench.force.x': force})
+    ended = command(tmp_path / 'a.mcap', '--json', tmp_path / 'a.json')
+    assert ended.code == 0 and 'exactly -7 N' in ended.err
+    assert 'the estimate is withheld, see the warnings' in ended.out
+    summary = json.loads((tmp_path / 'a.json').read_text())
+    assert summary['stiffness_std'] is None and 'exactly -7 N' in summary['reason']
+
+
 def test_a_scale_that_reads_what_it_is_pressed_with_is_told_to_have_the_wrong_sign(
     tmp_path: Path, command: Command
 ) -> None:

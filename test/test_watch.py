@@ -98,6 +98,17 @@ def test_watch_writes_a_file_that_rerun_reads(
     assert '/log/status' in printed
 
 
+def test_a_view_that_the_disk_does_not_hold_is_an_error_and_leaves_no_file(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip('rerun')
+    file = tmp_path / 'view.rrd'
+    file.symlink_to('/dev/full')
+    done = Command('watch', watch.main, capfd)(recording, '--save', file)
+    assert done.code == 1 and 'watch: the view cannot be written: ' in done.err
+    assert 'open it with' not in done.out and not file.is_symlink()
+
+
 @pytest.mark.parametrize('words, text', [
     (['--save', 'view.png'], 'let its name end in .rrd'),
     (['--axis', 'y'], '--axis needs a RECORDING'),

@@ -15,6 +15,7 @@ from ..diagnosis.observe.signals import LEAST_SAMPLES
 from ..estimators.estimate import AxesEstimates, Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
+from ..pipeline.axis_pipeline import EstimationPipeline
 from ..pipeline.estimate_files import EstimateTrace, plot_contact, signal_series, stamp_text
 from ..pipeline.parameters import EstimationParameters
 from ..pipeline.recorded_arm import read_contact_signals
@@ -101,7 +102,7 @@ def summary_of(
     summary: dict[str, Any] = {
         'estimator': session.parameters.estimator,
         'samples': replayed.samples,
-        **_state_of(last[0], session.pipeline.model_fit),
+        **_state_of(last[0], session.pipeline),
         'warnings': [  # the most important first
             {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
              'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
@@ -116,7 +117,7 @@ def summary_of(
         'damaged_chunks': reader.damaged_chunks,
     }
     if len(last) > 1:
-        summary['axes'] = {axis: _state_of(estimate, own.model_fit) for (axis, own), estimate
+        summary['axes'] = {axis: _state_of(estimate, own) for (axis, own), estimate
                            in zip(session.pipelines.items(), last)}
     if session.matrix.last:
         summary['stiffness_matrix'] = {
@@ -153,13 +154,14 @@ def _nothing_estimated(
         filter(None, (cause, unused)))
 
 
-def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:
+def _state_of(estimate: Estimate, pipeline: EstimationPipeline) -> dict[str, Any]:
     """Return the estimate of an axis, NaN as None, its status and the fit of the model."""
     names = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
     values = {name: getattr(estimate, name) for name in names}
     finite = {name: value if isfinite(value) else None for name, value in values.items()}
-    return {**finite, 'status': estimate.status.value, 'reason': estimate.reason,
-            'model_fit': _fit_of(monitor)}
+    return {**finite, 'status': estimate.status.value,
+            'reason': estimate.reason or pipeline.publication.invalid,
+            'model_fit': _fit_of(pipeline.model_fit)}
 
 
 def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
@@ -188,9 +190,10 @@ def print_summary(summary: dict[str, Any]) -> None:
     for axis, tare in summary.get('tare', {}).items():
         print(f'  {axis}: {Tare(**tare)}')
     warned = {found['text'] for found in summary['warnings']}
-    said = not summary['reason'] or summary['reason'] in warned
-    reason = '' if said else f': {printable(summary["reason"])}'
-    print(f'  status    {summary["status"]:>12}{reason}')
+    reason = printable(summary['reason'])
+    if summary['reason'] in warned:
+        reason = '' if summary['stiffness_std'] else 'the estimate is withheld, see the warnings'
+    print(f'  status    {summary["status"]:>12}{": " * bool(reason)}{reason}')
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
               f'(until {summary["model_fit"]["worst_stamp"]} s)')

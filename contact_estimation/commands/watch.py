@@ -93,20 +93,22 @@ def _replay(options: Any, target: str) -> None:
     reader = RecordingReader(options.recording, source)
     replay = RecordingReplay(reader, source, replayed_parameters(options))
     progress = Progress('watch')
-    view, shown = _opened(options, target)
-    if not options.save:
-        print(shown, flush=True)
+    whole = False
     try:
+        view, shown = _opened(options, target)
+        if not options.save:
+            print(shown, flush=True)
         samples = show_recording(view, reader, source, replay, progress.show)
         if samples < 2:
             raise RecordingError(
                 f'{options.recording} must have samples at several times, got {samples}; `replay` '
                 'says why')
-    except Exception:
-        view.close()
-        if options.save:  # not a view of anything
+        if not view.serves:
+            view.close()
+        whole = True
+    finally:
+        if options.save and not whole:  # not a view of anything
             Path(target).unlink(missing_ok=True)
-        raise
     progress.done()
     print(f'{samples} samples', flush=True)
     if options.save:
@@ -115,7 +117,7 @@ def _replay(options: Any, target: str) -> None:
         view.stream.flush()
         print('Ctrl-C ends', flush=True)
         _interrupted().wait()
-    view.close()
+        view.close()
 
 
 def _follow(options: Any, target: str) -> None:

@@ -177,12 +177,14 @@ def read_arm_signals(
     }
     if parameters.wrench_source == JOINT_EFFORTS:
         del decode[source.wrench]
-        both, reference = read_rows(reader, source, decode, (6 + 2 * count, 4), most_samples)
+        both, reference = read_rows(reader, source, decode, (7 + 2 * count, 4), most_samples)
         wrench, motion = (Signal(both.stamp_ns, both.values[part])
-                          for part in (slice(6), slice(6, None)))
+                          for part in (slice(6), slice(6, -1)))
+        error = float(np.sqrt(np.mean(np.square(both.values[-1]))))
     else:
         wrench, motion, reference = read_rows(
             reader, source, decode, (6, 2 * count, 4), most_samples)
+        error = 0.0
         frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
     usable, at_wrenches = _interpolated(
         motion, wrench.stamp_ns, parameters.synchronisation.maximum_gap_s)
@@ -203,7 +205,7 @@ def read_arm_signals(
         force += mass * _acceleration(Signal(motion.stamp_ns, x), stamps_ns)
     return RecordedSignals(
         Signal(stamps_ns, force[None]), Signal(motion.stamp_ns, x), reference, arm.model.base,
-        foreign_axes=_foreign_axes(loads, stamps_ns, parameters))
+        foreign_axes=_foreign_axes(loads, stamps_ns, parameters), sensor_error=error)
 
 
 def _from_joints(
@@ -219,7 +221,8 @@ def _from_joints(
 
         def decode_both(data: bytes) -> Row | None:
             found = efforts.decode(data)
-            return found and (found.stamp_ns, (*found.wrench, *found.motion))
+            return found and (found.stamp_ns, (
+                *found.wrench, *found.motion, float(np.linalg.norm(arm.normal @ found.errors))))
 
         return Motions(arm, source.joint_states, decode_both, len(arm.model.joint_names))
     joints = JointsDecoder(arm.model.joint_names, every=False)

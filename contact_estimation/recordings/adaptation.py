@@ -78,7 +78,8 @@ def _wrench(kind: str, field: str | None, definition: str, received: bool, where
     if field is None:
         raise RecordingError(
             f'{where} has the type {kind}, expected {TYPES["wrench"]}; choose force and torque '
-            f'with --wrench-field FIELD, such as data[0:6]; it holds: {_listed(store, kind)}')
+            f'with --wrench-field FIELD, such as {_example(store, kind)}; it holds: '
+            f'{_listed(store, kind)}')
     stamped = bool(store.fielddefs[kind][1]) and store.fielddefs[kind][1][0][0] == 'header'
     if not stamped and not received:
         raise RecordingError(
@@ -136,11 +137,18 @@ def _listed(store: Any, kind: str) -> str:
     return ', '.join(fields[:_MOST_FIELDS]) + (', ...' if len(fields) > _MOST_FIELDS else '')
 
 
+def _example(store: Any, kind: str) -> str:
+    """Return the path of numbers that may be a force: a vector, else several, else one."""
+    paths = [field.split()[0] for field in _fields(store, kind, '') if '(float' in field]
+    path = min(paths, key=lambda one: (not one.endswith('.x'), '[' not in one), default='data[]')
+    return re.sub(r'\[[^]]*\](?=\.)', '[0]', path).removesuffix('.x').replace('[]', '[0:6]')
+
+
 def _fields(store: Any, kind: str, prefix: str) -> Iterator[str]:
     for name, (node, argument) in store.fielddefs[kind][1]:
         several = int(node) > 2  # an array or a sequence
         ((inner, argument), count) = argument if several else ((node, argument), None)
-        end = f'{prefix}{name}' + (f'[{count or ""}]' if several else '')
+        end = f'{prefix}{name}' + (f'[0:{count}]' if count else '[]' if several else '')
         if int(inner) == 2:
             yield from _fields(store, argument, end + '.')
         elif argument[0].startswith(('float', 'int', 'uint')):

@@ -3,6 +3,7 @@
 
 """Columns of tables as signals of the contract: found by name, in SI units."""
 
+from os.path import commonprefix
 import re
 from shlex import quote
 from typing import Mapping, Sequence
@@ -62,14 +63,14 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r't|time|timestamp', 't'),
     (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds|millis|micros)', 't'),
     (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
-    (r'(?:(?:actual_)?tcp_)?force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
-     'wrench.force.{0}'),
+    (r'(?:(?:actual_)?tcp_)?force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])'
+     rf'|(?:wrench|ft)(?:_{_MEASURED})?_([0-2])', 'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
     (r'f|fn|force|load|(?:contact|normal)_force', 'wrench.force.x'),
     (r'(?:q_d|target_q)_?(\d+)', 'reference.q{0}'),
     (r'(?:x|pos|position)_(?:d|r|ref|des|desired|reference|cmd|command)|setpoint',
      'reference.x'),
-    (r'(?:actual_)?q_?(\d+)|joint_?(\d+)(?:_pos|_position)?', 'joint.q{0}'),
+    (r'(?:actual_|current_)?(?:q|joint)_?(\d+)(?:_pos|_position)?', 'joint.q{0}'),
     (r'(?:dq|qd|actual_qd)_?(\d+)', 'joint.q{0}.velocity'),
     (r'joint_states_(.+)_position', 'joint.{0}'),
     (r'joint_states_(.+)_velocity', 'joint.{0}.velocity'),
@@ -174,12 +175,15 @@ def columns_of_signals(
             raise RecordingError(f'--columns {key}={column}: {there}; choose one of these')
     found: dict[str, list[str]] = {}
     taken = {column if column in columns else column[1:] for column in chosen.values()}
-    for rank, key, name in sorted((*_rank_and_key(name), name) for name in columns):
+    ranks: dict[str, int] = {}
+    struct = '' if any(map(is_key, columns)) else commonprefix(list(columns)).rpartition('.')[0]
+    for rank, key, name in sorted(
+            (*_rank_and_key(name[len(struct):].removeprefix('.')), name) for name in columns):
         if key and key not in chosen and name not in taken and not _foreign_unit(
                 key, name, general):
             same = [twin for twin in found.get(key, ())
                     if np.array_equal(columns[name], columns[twin], equal_nan=True)]
-            if key not in found or rank == _rank_and_key(found[key][0])[0] and not same:
+            if rank == ranks.setdefault(key, rank) and not same:
                 found.setdefault(key, []).append(name)
     # Whoever chooses joints or a reference wants no others.
     kinds = {key.split('.')[0] for key in chosen} & {'joint', 'reference'}

@@ -118,6 +118,7 @@ class RecordedSignals:
     foreign: int = 0  # number of wrenches left out, since they have another frame
     tare: Tare | None = None  # what was subtracted from the force
     foreign_axes: str = ''  # of an arm: that the wrench is in other axes than configured
+    sensor_error: float = 0.0  # standard deviation of errors of the force other than noise [N]
 
 
 def read_signals(

@@ -3,17 +3,18 @@
 
 """The view of a contact in Rerun, also of a recording; as a window, web page or file."""
 
+from contextlib import contextmanager
 import os
 from pathlib import Path
 import sys
 from threading import Event
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 import numpy as np
 
 from .live import CHECKS, ContactLog, LiveContact, STATUS
 from ..estimators.estimate import Estimate
-from ..exceptions import MissingPackageError
+from ..exceptions import MissingPackageError, RecordingError
 from ..figures import BLUE, MUTED, ORANGE
 from ..pipeline.recorded_arm import read_contact_signals
 from ..pipeline.replay import RecordingReplay
@@ -91,8 +92,9 @@ class ContactView:
 
     def close(self) -> None:
         """Send what has been logged, and wait until it has arrived."""
-        self.flush()
-        self.stream.flush()
+        with _written():
+            self.flush()
+            self.stream.flush()
         self.stream.disconnect()
 
     def _send(self, path: str, stamps_ns: Sequence[int], columns: Any) -> None:
@@ -192,6 +194,15 @@ def follow_recording(view: ContactView, path: Path, estimator: str, stopped: Eve
         stopped.wait(_PERIOD_S)
 
 
+@contextmanager
+def _written() -> Iterator[None]:
+    """Name what Rerun cannot write."""
+    try:
+        yield
+    except RuntimeError as error:  # for a full disk too
+        raise RecordingError(f'the view cannot be written: {error}') from error
+
+
 WINDOW, WEB = 'window', 'web'
 _MEMORY = '1GiB'  # of the viewer and of what a page that opens late still gets
 
@@ -210,7 +221,8 @@ def show(view: ContactView, target: str, follow_s: float | None = None) -> str:
         if target == WINDOW:
             text = f'no display; {text}'
     else:
-        view.stream.save(target, default_blueprint=layout)
+        with _written():
+            view.stream.save(target, default_blueprint=layout)
         text = f'{target}, open it with: rerun {target}'
     view.stream.send_blueprint(layout)
     view.style()

@@ -13,7 +13,7 @@ only, and not to be named as physics.
 """
 
 from dataclasses import replace
-from math import exp, log, sqrt
+from math import exp, hypot, log, sqrt
 
 import numpy as np
 from scipy import sparse
@@ -217,8 +217,8 @@ def material(recordings: Recordings, model: Model) -> set[int]:
 
 
 def least_material(recording: PreparedRecording) -> float:
-    """Return the least force that is worth a name."""
-    return CONSTANTS.instrument * recording.observed.force_range
+    """Return the least force that is worth a name: more than errors of its sensor."""
+    return hypot(CONSTANTS.instrument * recording.observed.force_range, recording.sensor_error)
 
 
 def force_of_motion(recording: PreparedRecording, model: Model) -> float:

@@ -11,8 +11,7 @@ from typing import Callable, Mapping, Sequence, TypeVar
 import numpy as np
 
 from .candidates import candidates_in, is_credible, is_flexible
-from .constants import CONSTANTS
-from .discrepancy import CHANNELS, force_of_motion, weighed
+from .discrepancy import CHANNELS, force_of_motion, least_material, weighed
 from .evidence import Evidence, prior, ranked, Scored, ZEROS
 from .fitting import Fit, fit, fit_at, fit_to_end
 from .left_out import Linearised, Part, parts_of
@@ -79,7 +78,7 @@ class ContactModels:
         """Return the mean square of the discrepancy of every instrument, in that of noise."""
         if one.simulated or one.driven_by_force(self._base.model):
             return np.zeros(CHANNELS)
-        size, noise = CONSTANTS.instrument * one.observed.force_range, self._force_of_noise(one)
+        size, noise = least_material(one), self._force_of_noise(one)
         return np.asarray(np.where(noise > 0.0, size**2 / np.maximum(noise, 1e-300), 0.0))
 
     def weighed(self, model: Model) -> Recordings:

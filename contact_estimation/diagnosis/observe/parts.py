@@ -3,6 +3,7 @@
 
 """The parts of a recording that are fitted, and its episodes of contact, some held out."""
 
+from dataclasses import replace
 from math import ceil, log10
 from typing import NamedTuple
 
@@ -40,7 +41,7 @@ def continuous_parts(recording: Recording, model: PlantParameters) -> list[Recor
         parts = [whole]  # the samples are uneven, and there are no gaps
     parts = [part for part in parts if _touches(part, model)] or parts
     most = _MOST_SAMPLES[model.environment.unilateral]
-    return [_named(recording.name, _shortened(part, most), len(parts) > 1 or len(spans) > 1)
+    return [_named(recording, _shortened(part, most), len(parts) > 1 or len(spans) > 1)
             for part in parts]
 
 
@@ -161,10 +162,11 @@ def _means(stamps: Array, values: Array, samples: int) -> tuple[Array, Array]:
     return np.add.reduceat(stamps, firsts) / counts, np.add.reduceat(values, firsts) / counts
 
 
-def _named(name: str, signals: Signals, is_part: bool) -> Recording:
+def _named(whole: Recording, signals: Signals, is_part: bool) -> Recording:
+    name = whole.name
     if is_part:
         name = f'{name}, {signals.wrench_t[0]:.1f} to {signals.wrench_t[-1]:.1f} s'
-    return Recording(name, signals)
+    return replace(whole, name=name, signals=signals)
 
 
 def _period(stamps: Array) -> float:

@@ -68,6 +68,7 @@ class PreparedRecording:
     # see `with_discrepancy`
     force_discrepancy: float = 0.0
     motion_discrepancy: float = 0.0
+    sensor_error: float = 0.0  # as of the recording
     # factor by which the discrepancy of a wall that a force drives exceeds the force noise
     widening: float = 1.0
     # of Picard's iteration for a wall without a robot; 1: effects at the measured motion
@@ -218,7 +219,8 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
     require_contact(model, observed, recording.name)
     held_out = hold_out(model, observed) if hold else None
     prepared = PreparedRecording.of(recording.name, observed, model, held_out)
-    return replace(prepared, simulated=recording.simulated)
+    return replace(
+        prepared, simulated=recording.simulated, sensor_error=recording.sensor_error)
 
 
 def _edges(flags: Flags) -> list[int]:

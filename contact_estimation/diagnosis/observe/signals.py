@@ -52,6 +52,8 @@ class Recording:
     tare: Tare | None = None  # what was subtracted from the force
     simulated: bool = False  # whether a simulator wrote it, whose sensors err by noise alone
     foreign_axes: str = ''  # of an arm: that the wrench is in other axes than configured
+    # standard deviation of the errors of the force that are no noise, of torques of joints [N]
+    sensor_error: float = 0.0
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
@@ -112,7 +114,7 @@ def with_held_reference(recording: Recording) -> Recording:
     if len(s.reference_t) < 2:
         return recording
     reference = held_at(s.wrench_t, s.reference_t, s.reference)
-    return Recording(recording.name, s._replace(reference_t=s.wrench_t, reference=reference))
+    return replace(recording, signals=s._replace(reference_t=s.wrench_t, reference=reference))
 
 
 def held_at(t: Array, stamps: Array, values: Array) -> Array:
@@ -143,7 +145,7 @@ def with_reference_rates(recording: Recording) -> Recording:
     x_r, _, _, F_r = s.reference
     rate = np.gradient(x_r, s.reference_t)
     rows = np.array([x_r, rate, np.gradient(rate, s.reference_t), F_r])
-    return Recording(recording.name, s._replace(reference=rows))
+    return replace(recording, signals=s._replace(reference=rows))
 
 
 def read_recording(
@@ -195,7 +197,7 @@ def read_recording(
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
     return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
                      _damage(reader, signals), tare=signals.tare,
-                     foreign_axes=signals.foreign_axes)
+                     foreign_axes=signals.foreign_axes, sensor_error=signals.sensor_error)
 
 
 def _damage(reader: RecordingReader, signals: RecordedSignals) -> str:
