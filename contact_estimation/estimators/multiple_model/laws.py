@@ -22,46 +22,52 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .constants import DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, TWO_POLES
+from .constants import (
+    DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, TWO_POLES, UNLIKELY)
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
- POWER_CURVE, SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE,
- ACCELERATION_NOISE) = range(19)
+ POWER_CURVE, SQUARE, CUBE, CUBE_RATE, SET, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE,
+ ACCELERATION_NOISE) = range(21)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
-S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f, and the standard deviations of
-S0 y, S1 y and S2 y, whose squares say how much of the scatter of each is noise."""
+S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S0 y^3, S1 y^3 / 3, -S0 of the greatest y so far, 0, S0 f,
+S1 f, and the standard deviations of S0 y, S1 y and S2 y, whose squares say how much of the scatter
+of each is noise."""
 
-COLUMNS = 19
-OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE]
+COLUMNS = 21
+OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE, CUBE]
 """Columns that are functions of the depth."""
 
 OF_RATE = [RATE, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE]
 TIMES_RATE = [ONE, DEPTH, POWER_SLOPE, POWER, SQUARE]
 """Columns of the rate, and what each of them is a steady rate times."""
 
-UNKNOWNS = 5
+UNKNOWNS = 6
 
 
 class Law(NamedTuple):
     """One law."""
 
-    # those of stiffness, damping, third coefficient, surface and friction
-    columns: tuple[int, int, int, int, int]
+    # those of stiffness, damping, third coefficient, surface, and two more
+    columns: tuple[int, int, int, int, int, int]
     exponent: float  # n
     prior: float  # probability before any contact
 
 
-_LINEAR = DEPTH, RATE, ACCELERATION, ONE, ZERO
+_LINEAR = DEPTH, RATE, ACCELERATION, ONE, ZERO, ZERO
 LAWS = {
     'kelvin_voigt': Law(_LINEAR, 1.0, 0.67),
     'mass': Law(_LINEAR, 1.0, 0.06),
-    'friction': Law((DEPTH, RATE, ACCELERATION, ONE, SIGN), 1.0, 0.06),
-    'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, FORCE_RATE, ONE, ZERO), 1.0, 0.06),
-    'hunt_crossley_1.5': Law((POWER, POWER_DAMPING, FORCE_RATE, POWER_SLOPE, ZERO), 1.5, 0.06),
-    'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO), 2.0, 0.06),
+    'friction': Law((DEPTH, RATE, ACCELERATION, ONE, SIGN, ZERO), 1.0, 0.06),
+    'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, FORCE_RATE, ONE, ZERO, ZERO), 1.0, 0.06),
+    'hunt_crossley_1.5': Law(
+        (POWER, POWER_DAMPING, FORCE_RATE, POWER_SLOPE, ZERO, ZERO), 1.5, 0.06),
+    'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO, ZERO), 2.0, 0.06),
+    'curved': Law((DEPTH, RATE, FORCE_RATE, ONE, SQUARE, CUBE), 1.0, 0.03),
+    # Loading alone never tells it: it counts where the data speak for it.
+    'yielding': Law((DEPTH, RATE, ACCELERATION, ONE, SET, ZERO), 1.0, 0.5 * UNLIKELY),
     # A wall that moved once and for all has changed; this one goes on moving.
     'moving_wall': Law(_LINEAR, 1.0, 1e-4),
     'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
@@ -69,11 +75,12 @@ LAWS = {
 """By name; to add one: its columns, and a row here."""
 
 NAMES = tuple(LAWS)
-KELVIN_VOIGT, MASS, FRICTION, MOVING, DRIFTING = (NAMES.index(name) for name in (
-    'kelvin_voigt', 'mass', 'friction', 'moving_wall', 'drifting_stiffness'))
+KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, DRIFTING = (NAMES.index(name) for name in (
+    'kelvin_voigt', 'mass', 'friction', 'curved', 'yielding', 'moving_wall', 'drifting_stiffness'))
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
+LATE = np.array([FORCE_RATE in law.columns for law in LAWS.values()])
 """Which laws damp with the depth."""
 
 IMPARTIAL: Array = np.where(DEEP, LAWS['kelvin_voigt'].prior / np.exp(LOG_PRIOR), 1.0)
@@ -111,6 +118,7 @@ def _scales(depth: float) -> Array:
     found[:, 0] = power
     found[:, 1] = np.where(DEEP, depth ** -EXPONENT, 1.0)
     found[:, 3] = power * _TWICE
+    found[BENT, 4:6] = 1.0 / depth, 1.0 / (depth * depth)
     return found
 
 
@@ -136,12 +144,14 @@ def _priors(damping: float, tau: float, std: float) -> tuple[NDArray[np.bool_], 
     per_K = np.zeros(mean.shape, bool)
     mean[:, 1], width[:, 1], per_K[:, 1] = DAMPING_S, DAMPING_STD_S, True
     # A lag makes K y + B y' to K y + (B - K tau) y' + (c K tau^2 - B tau) y'' + ...
-    alike = ~DEEP
+    alike = ~LATE
     alike[MASS] = False
     mean[alike, 2] = TWO_POLES * tau * tau - damping * tau
     width[alike, 2] = (damping + tau) * std + POLES_STD * tau * tau + 1e-9
     per_K[alike, 2] = True
-    width[DEEP, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
+    width[LATE, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
+    width[BENT, 4:6], per_K[BENT, 4:6] = 1.0, True
+    width[YIELDING, 4], per_K[YIELDING, 4] = 0.5, True
     return per_K, mean, width
 
 
@@ -160,7 +170,8 @@ def shifted_table(delta: float) -> Array:
         (POWER, POWER_CURVE, 0.5 * delta * delta), (POWER_SLOPE, POWER_CURVE, -delta),
         (POWER_DAMPING, POWER_RATE, -delta), (SQUARE, DEPTH, -2.0 * delta),
         (SQUARE, ONE, delta * delta), (CUBE_RATE, SQUARE_RATE, -2.0 * delta),
-        (CUBE_RATE, RATE, delta * delta),
+        (CUBE_RATE, RATE, delta * delta), (CUBE, SQUARE, -3.0 * delta),
+        (CUBE, DEPTH, 3.0 * delta * delta), (CUBE, ONE, -delta**3), (SET, ONE, delta),
     ):
         matrix[column, source] = factor
     return matrix
