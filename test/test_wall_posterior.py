@@ -168,6 +168,25 @@ def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
         assert within(stiffness, K, max(std, 0.002 * K), 3.0)
 
 
+@pytest.mark.parametrize('rate', [0.2, 0.5])
+@pytest.mark.parametrize('shaken', [0.0, 0.002])
+def test_a_zero_that_has_drifted_in_a_contact_changes_no_stiffness(
+    rate: float, shaken: float,
+) -> None:
+    samples = contact(spring_damper(K, B), 13.0, shaken=shaken, presses=((0.5, 12.0),))
+    drift = rate * np.clip(samples.t - 1.0, 0.0, 11.0)
+    known = fed(samples._replace(force=samples.force + drift), WallPosterior(0.0, 2e-3)).known
+    assert within(known.stiffness, K, known.published_stds[0], 3.0)
+
+
+def test_a_wall_that_presses_less_after_a_pull_is_in_contact() -> None:
+    samples = contact(spring_damper(K, B), 4.0, shaken=0.0)
+    t, force = samples.t, samples.force.copy()
+    force[t > 2.0] *= 0.05
+    force[(t > 2.0) & (t < 2.02)] = -5.0  # the sensor rings
+    assert fed(samples._replace(force=force)).contact.state == CONTACT
+
+
 @pytest.mark.parametrize('told', [-0.0065, -0.004])
 def test_a_force_at_rest_near_a_wall_as_told_is_no_contact(told: float) -> None:
     samples = contact(spring_damper(K, B))

@@ -278,6 +278,8 @@ class ContactFilter:
                     place < _TEACHES and segment.stays(variance) and not segment.grows):
                 self.set_level(*segment.mean(variance))
                 self.state = FREE
+            elif z > SLOPE_STD and place >= _FAR_INSIDE:
+                self.state = CONTACT  # it presses where the wall is: the pull before has passed
             elif segment.seconds > 2.0 * SEGMENT_S:
                 self._begin_state()
 

@@ -83,18 +83,18 @@ class Judged(NamedTuple):
 
     # (N,) log marginal likelihood, up to what all hypotheses on the same data share
     evidence: Array
-    theta: Array  # (N, 5) means
-    P: Array  # (N, 5, 5) covariances
+    theta: Array  # (N, 6) means
+    P: Array  # (N, 6, 6) covariances
 
 
 class _Normal(NamedTuple):
     """Normal equations of hypotheses."""
 
-    # scaled, unit (N, 5, 5), (N, 5): A = G + L with a diagonal of 1, and what it was multiplied by
+    # scaled, unit (N, 6, 6), (N, 6): A = G + L with a diagonal of 1, and what it was multiplied by
     # on both sides
     scaled: Array
     unit: Array
-    # eta, std (N, 5): information vectors, and the deviations of the priors
+    # eta, std (N, 6): information vectors, and the deviations of the priors
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
@@ -113,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 19, 19): one for each hypothesis; they are overwritten
+    grams (N, 21, 21): one for each hypothesis; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 
@@ -143,7 +143,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
         gram[:, :UNKNOWNS, UNKNOWNS] += late[:, :UNKNOWNS]
         gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * late[:, UNKNOWNS] + tau * tau * grams[
             :, FORCE_RATE, FORCE_RATE]
-    bent = laws == BENT
+    bent = laws == BENT  # y^k / D^(k-1) - y, so that K is the secant at the depth
     gram[bent, 4:6] -= gram[bent, 0:1]
     gram[bent, :, 4:6] -= gram[bent, :, 0:1]
     mean, std = prior(laws, K, scene.damping, scene.lag)

@@ -17,7 +17,7 @@ from .evidence import hypotheses, judge_in_parts, Judged, mixture, negativity, S
 from .knowledge import Knowledge
 from .laws import (
     ACCELERATION, ACCELERATION_NOISE, Array, CURVED, EXPONENT, FORCE, IMPARTIAL, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE)
+    LOG_PRIOR, MOVING, NAMES, RATE)
 from .report import Report
 from .residuals import Residuals
 from .rhythm import Rhythm, SETTLED, SURPRISE
@@ -35,9 +35,6 @@ _START = 3  # blocks in which the scale of the priors is not known
 class WallInference:
     """
     What is inferred of a wall from the blocks of its contacts.
-
-    A hypothesis is a small linear fit of some columns to the sum of the Gram matrices of all
-    blocks, and its evidence is that of a Gaussian model.
 
     location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
     lag: prior of the lag of the force sensor [s]
@@ -60,8 +57,8 @@ class WallInference:
         self._sums = WallStatistics(location, std)
         self.residuals, self.changes = Residuals(blocks, contact), 0
         self._touched: Touch | None = None
-        # The walls before the first change since the touch, and before the tool moved outward if
-        # it does, and whether the wall has changed since then.
+        # The walls before the first change since the touch, and before the tool moved outward, if
+        # it does; whether the wall has changed since then, and mean rate of the last block [m/s].
         self._first: WallStatistics | None = None
         self._inward: WallStatistics | None = None
         self._changed, self._rate = False, 0.0
@@ -326,7 +323,7 @@ class WallInference:
         if self.known.valid:
             sums.rescale(self.known.stiffness, self.known.damping, _SOFTER * sums.scale)
         if self.rhythm.blocks > SETTLED:
-            self._learn_lag(weights, judged)
+            self.lag.learn(weights.reshape(_LAWS, -1), judged.theta, judged.P)
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0 and max(gaps) < -COMMIT:
             yield
@@ -339,13 +336,6 @@ class WallInference:
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface(weights, judged, what.law, scene)
-
-    def _learn_lag(self, weights: Array, judged: Judged) -> None:
-        """Learn the lag where a spring and a damper are all that is there."""
-        of_law = weights.reshape(_LAWS, -1)
-        if of_law[KELVIN_VOIGT].sum() > 0.5:
-            k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
-            self.lag.learn(judged.theta[k], judged.P[k])
 
     def _follow_surface(self, weights: Array, judged: Judged, laws: Ints, scene: Scene) -> None:
         """Move the reference of the columns to the surface: of curved laws where one may be."""

@@ -5,15 +5,17 @@
 The laws of a contact as columns of one table, in which all of them are linear.
 
 With y = x - x0 and smoothing kernels S0, S1, S2 that average, differentiate once and twice, a
-contact obeys, whatever its law, S0 f = phi^T theta with five columns of the table:
+contact obeys, whatever its law, S0 f = phi^T theta with at most six columns of the table:
 
     Kelvin-Voigt     K S0 y + B S1 y + M S2 y + s S0 1
     with friction    ... + F_c S0 sgn v
+    yielding         ... - R S0 max y, the greatest depth so far
+    curved           K S0 y + c S0 (y^2 / D - y) + d S0 (y^3 / D^2 - y) + B S1 y - k S1 f + s S0 1
     Hunt-Crossley    K S0 y^n + chi S1 y^(n+1) / (n+1) - k S1 f + s S0 n y^(n-1)
 
-since y^n y' = (y^(n+1))' / (n+1). s = -K delta moves the surface by delta. The lag tau of the
-sensor is undone by f + tau f' under the laws of Hunt and Crossley, where k stands for what is
-wrong with tau; in the others it adds -K tau to B and c K tau^2 - B tau to M.
+since y^n y' = (y^(n+1))' / (n+1). K is the secant at the mean depth D of late. s = -K delta moves
+the surface by delta. The lag tau of the sensor is undone by f + tau f' under the last two, where
+k stands for what is wrong with tau; in the others it adds -K tau to B and c K tau^2 - B tau to M.
 """
 
 from functools import lru_cache
@@ -80,8 +82,10 @@ KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, DRIFTING = (NAMES.index(na
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
-LATE = np.array([FORCE_RATE in law.columns for law in LAWS.values()])
 """Which laws damp with the depth."""
+
+LATE = np.array([FORCE_RATE in law.columns for law in LAWS.values()])
+"""Under which laws f + tau f' stands for f."""
 
 IMPARTIAL: Array = np.where(DEEP, LAWS['kelvin_voigt'].prior / np.exp(LOG_PRIOR), 1.0)
 """What the probabilities are multiplied by where a wall is as likely to be curved as not."""
@@ -90,7 +94,7 @@ CURVED = EXPONENT != 1.0
 """Which laws are linear in a shift of the surface only where it is small beside the depth."""
 
 POWERS: Array = np.stack([EXPONENT - 1.0, np.where(DEEP, EXPONENT, 0.0)])
-"""Powers of the depth that K_e and B_e of each law grow with, shape (2, 7)."""
+"""Powers of the depth that K_e and B_e of each law grow with, shape (2, N)."""
 
 CHOSEN: Ints = np.array([(*law.columns, FORCE) for law in LAWS.values()])
 # n y^(n-1) and S1 y^n of n = 2 are twice the columns that they share with other laws.
@@ -105,14 +109,14 @@ def scales(laws: Ints, depth: float) -> Array:
 
     laws (N,): indices of NAMES
     depth: mean penetration [m], > 0
-    Returns scales (N, 6): of the columns of `CHOSEN`
+    Returns scales (N, 7): of the columns of `CHOSEN`
     """
     return _scales(depth)[laws]
 
 
 @lru_cache(maxsize=2)
 def _scales(depth: float) -> Array:
-    """Return the scales of all laws, shape (7, 6)."""
+    """Return the scales of all laws, shape (N, 7)."""
     power = depth ** (1.0 - EXPONENT)
     found = np.ones((len(NAMES), UNKNOWNS + 1))
     found[:, 0] = power
@@ -130,7 +134,7 @@ def prior(laws: Ints, K: Array, damping: float, lag: tuple[float, float]) -> tup
     K (N,): scale of the stiffness [N/m]
     damping: B_e / K_e as estimated so far [s]
     lag: tau of the force sensor and its standard deviation [s]
-    Returns mean, std (N, 5): those of K and s are 0 and 1, to be set by the caller
+    Returns mean, std (N, 6): those of K and s are 0 and 1, to be set by the caller
     """
     per_K, mean, width = _priors(damping, *lag)
     scale = K[:, None]
@@ -162,7 +166,7 @@ def shifted_table(delta: float) -> Array:
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, else to second order.
 
     delta: how far into the wall [m]
-    Returns matrix (19, 19): new columns from old ones
+    Returns matrix (21, 21): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

@@ -26,7 +26,7 @@ class Report:
     def __init__(self, known: Knowledge) -> None:
         self.known = known
         self._depth = nan  # of the last K_e [m]
-        self._powers = POWERS.copy()
+        self._powers = POWERS.copy()  # that of a curved wall is what was found
         self._curved: tuple[float, ...] = 0.0, 0.0  # relative variances if it may be curved
 
     def publish(
@@ -38,8 +38,8 @@ class Report:
 
         others: hypotheses of one law beside them, with their probabilities
         """
-        weights_of = weights
-        of_law = weights.reshape(len(NAMES), -1).sum(1)
+        every_law = weights.reshape(len(NAMES), -1)
+        of_law = every_law.sum(1)
         found = every = walls(judged, laws, scene, ANYWHERE_M)
         # Walls are seldom curved, but where one may be, its band holds what it would be then.
         impartial = weights * IMPARTIAL[laws]
@@ -52,12 +52,12 @@ class Report:
             max(other + (there - here) ** 2 - own, 0.0) / max(here * here, 1e-18)
             for here, there, own, other in ((K, K_else, spreads[0], curved[0]),
                                             (B, B_else, spreads[1], curved[1])))
-        places = len(weights_of) // len(NAMES)
+        places = every_law.shape[1]
         mass = judged.theta[MASS * places, 2]
-        bent = BENT * places + int(np.argmax(weights_of[BENT * places:(BENT + 1) * places]))
+        bent = BENT * places + int(np.argmax(every_law[BENT]))
         stiffness, *_, square, cube = judged.theta[bent].tolist()
         if stiffness > 0.0:
-            self._powers[0, BENT] = (square + 2.0 * cube) / stiffness
+            self._powers[0, BENT] = min(max((square + 2.0 * cube) / stiffness, -1.0), 2.0)
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, ANYWHERE_M
         if K_std < SURE * K:  # else nothing is found of it

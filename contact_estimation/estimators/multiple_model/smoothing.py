@@ -83,7 +83,7 @@ class Smoothing:
         touching: whether the tool is outside the wall in some of the samples
         deepest: greatest position before [m]
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (19, N): the columns of `laws`, a row for each window
+        Returns phi (21, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)

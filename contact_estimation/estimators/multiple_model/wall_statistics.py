@@ -32,7 +32,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (19, 19): Gram matrix of all data before it
+    before (21, 21): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -55,7 +55,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (19, 19): of the data since the change
+        since (21, 21): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -66,7 +66,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (19, 19) of what seemed another wall."""
+        """Note another step, after data (21, 21) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -86,7 +86,7 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (19, 19): sum of the Gram matrices of all blocks, the older, the less
+    gram (21, 21): sum of the Gram matrices of all blocks, the older, the less
     walking, doubting: the same of walls that move or drift, of laws that doubt some rows
     runs: the same since every time of a possible change
     odds: log odds of each law
