@@ -9,6 +9,7 @@ from contact_estimation.estimators.multiple_model.contact import ContactFilter
 from contact_estimation.estimators.multiple_model.evidence import mixture, Wall
 from contact_estimation.estimators.multiple_model.laws import COLUMNS, ONE
 from contact_estimation.estimators.multiple_model.runs import in_doubt
+from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
 from wall_worlds import Array, contact, fed, FINE, Samples, spring_damper
@@ -177,6 +178,12 @@ def test_a_zero_that_has_drifted_in_a_contact_changes_no_stiffness(
     drift = rate * np.clip(samples.t - 1.0, 0.0, 11.0)
     known = fed(samples._replace(force=samples.force + drift), WallPosterior(0.0, 2e-3)).known
     assert within(known.stiffness, K, known.published_stds[0], 3.0)
+
+
+def test_a_wall_that_a_controlled_force_follows_outward_is_in_contact() -> None:
+    samples = contact(spring_damper(K, B), 4.0, shaken=0.0)
+    x = samples.x - 5e-4 * ramp(2.0, 0.5, 1.0)(samples.t)[0]
+    assert fed(samples._replace(x=x)).contact.state == CONTACT
 
 
 def test_a_wall_that_presses_less_after_a_pull_is_in_contact() -> None:

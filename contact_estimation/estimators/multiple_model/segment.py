@@ -98,14 +98,15 @@ class Segment:
         """
         Return whether the force stays where a wall would give it a slope.
 
-        Of a wall within 0.1 m, or on the way out from a surface: inwards a wall may crush.
+        Of a wall within 0.1 m, or of one with a surface, where the tool leaves half of the depth:
+        on the way in a wall may crush.
         """
         count, mean, xx, xf, ff = self._moments
         if count < FEW or xx <= 0.0 or not self.stays(noise):
             return False
         deviation = sqrt(max(noise, ff / count) / xx)
-        depth = self._x[0] - surface if self._x[-1] < self._x[0] else ANYWHERE_M
-        reach = depth if depth < ANYWHERE_M else ANYWHERE_M  # it is NaN where none is known
+        depth, left = self._x[0] - surface, self._x[0] - self._x[-1]
+        reach = depth if depth < min(2.0 * left, ANYWHERE_M) else ANYWHERE_M  # NaN: not known
         return reach * (abs(xf / xx) + SLOPE_STD * deviation) <= abs(mean - level)
 
     def excludes_wall_from(self, onset: float, noise: float, level: float) -> bool:
