@@ -187,7 +187,7 @@ def test_a_wall_that_a_controlled_force_follows_outward_is_in_contact() -> None:
 
 
 def test_a_wall_that_presses_less_after_a_pull_is_in_contact() -> None:
-    samples = contact(spring_damper(K, B), 4.0, shaken=0.0)
+    samples = contact(spring_damper(K, B), 3.5, shaken=0.0)
     t, force = samples.t, samples.force.copy()
     force[t > 2.0] *= 0.05
     force[(t > 2.0) & (t < 2.02)] = -5.0  # the sensor rings
