@@ -6,8 +6,10 @@
 from functools import lru_cache
 from math import inf, nan
 
-from contact_estimation.estimators.estimate import Estimate, EstimateStatus
+from contact_estimation.estimators.estimate import (
+    Estimate, EstimateStatus, ParameterEstimate)
 from contact_estimation.estimators.multiple_model import LAWS
+from contact_estimation.estimators.rls import RecursiveLeastSquares
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters import build, changed, flatten
 from contact_estimation.pipeline.axes import Moment
@@ -92,6 +94,18 @@ def test_an_estimate_whose_band_a_change_of_parameters_has_taken_says_so(estimat
     assert (after.status, after.stiffness) == (FREE, known.stiffness)
     assert after.stiffness_std != after.stiffness_std
     assert 'the stiffness has no band' in after.reason
+
+
+def test_an_estimator_that_states_no_deviations_has_lost_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(RecursiveLeastSquares, 'current', lambda own: ParameterEstimate(
+        own.stiffness, own.damping, nan, nan, 0.0, nan))
+    pipeline = pipeline_with(estimator='rls')
+    last = [pipeline.take(one) for one in contact_samples(0.6)][-1]
+    assert last.stiffness == pytest.approx(4800.0, rel=0.02)
+    assert last.stiffness_std != last.stiffness_std
+    assert 'band' not in last.reason
 
 
 @pytest.mark.parametrize('step, factor', [(3.0, 1.0), (5.0, 1.0), (3.0, 1.5)])

@@ -46,6 +46,9 @@ WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {
     'hunt_crossley_1': (hunt_crossley(1.0), None),
     'hunt_crossley_1.5': (hunt_crossley(1.5), None),
     'hunt_crossley_2': (hunt_crossley(2.0), None),
+    'curved': (lambda d, v, a: 13.0 * np.expm1(175.0 * np.maximum(d, 0.0)) + B * v, None),
+    'yielding': (lambda d, v, a: K * (d - 0.3 * np.maximum.accumulate(np.maximum(d, 0.0))) + B * v,
+                 None),
     'moving_wall': (spring_damper(K, B), moved),
     'drifting_stiffness': (lambda d, v, a: growing(np.arange(len(d)) / FINE) * d + B * v, None),
 }

@@ -9,6 +9,7 @@ from contact_estimation.estimators.multiple_model.contact import ContactFilter
 from contact_estimation.estimators.multiple_model.evidence import mixture, Wall
 from contact_estimation.estimators.multiple_model.laws import COLUMNS, ONE
 from contact_estimation.estimators.multiple_model.runs import in_doubt
+from contact_estimation.studies.paths import ramp
 import numpy as np
 import pytest
 from wall_worlds import Array, contact, fed, FINE, Samples, spring_damper
@@ -166,6 +167,31 @@ def test_a_step_of_the_zero_before_a_touch_changes_no_stiffness(
 ) -> None:
     for stiffness, std in believed(step, 2.95, location, since=3.3):
         assert within(stiffness, K, max(std, 0.002 * K), 3.0)
+
+
+@pytest.mark.parametrize('rate', [0.2, 0.5])
+@pytest.mark.parametrize('shaken', [0.0, 0.002])
+def test_a_zero_that_has_drifted_in_a_contact_changes_no_stiffness(
+    rate: float, shaken: float,
+) -> None:
+    samples = contact(spring_damper(K, B), 13.0, shaken=shaken, presses=((0.5, 12.0),))
+    drift = rate * np.clip(samples.t - 1.0, 0.0, 11.0)
+    known = fed(samples._replace(force=samples.force + drift), WallPosterior(0.0, 2e-3)).known
+    assert within(known.stiffness, K, known.published_stds[0], 3.0)
+
+
+def test_a_wall_that_a_controlled_force_follows_outward_is_in_contact() -> None:
+    samples = contact(spring_damper(K, B), 4.0, shaken=0.0)
+    x = samples.x - 5e-4 * ramp(2.0, 0.5, 1.0)(samples.t)[0]
+    assert fed(samples._replace(x=x)).contact.state == CONTACT
+
+
+def test_a_wall_that_presses_less_after_a_pull_is_in_contact() -> None:
+    samples = contact(spring_damper(K, B), 3.5, shaken=0.0)
+    t, force = samples.t, samples.force.copy()
+    force[t > 2.0] *= 0.05
+    force[(t > 2.0) & (t < 2.02)] = -5.0  # the sensor rings
+    assert fed(samples._replace(force=force)).contact.state == CONTACT
 
 
 @pytest.mark.parametrize('told', [-0.0065, -0.004])

@@ -26,7 +26,7 @@ class Publication:
     """
 
     def __init__(self, parameters: EstimationParameters, model_fit: ModelFitMonitor) -> None:
-        self.invalid, self.model_fit = '', model_fit
+        self.invalid, self.model_fit, self._had_band = '', model_fit, False
         self.configure(parameters)
 
     def configure(self, parameters: EstimationParameters) -> None:
@@ -48,8 +48,11 @@ class Publication:
         shift: how far known physics have moved the surface [m]
         """
         now = self._posterior.known
-        if own[2] != own[2] and status is not _FROZEN and (
-                now.stiffness == now.stiffness or own[0] != self._first_guess):
+        if own[2] == own[2]:
+            self._had_band = True
+        elif status is not _FROZEN and (
+                self._had_band and own[0] != self._first_guess
+                or now.stiffness == now.stiffness and not now.valid):
             reason = f'{reason}; {_LOST}' if reason else _LOST
         own = self.lasting.widened(own)
         if self._robot.compliance or self._robot.compliance_std:

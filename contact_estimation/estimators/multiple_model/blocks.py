@@ -275,10 +275,11 @@ class Blocks:
         self._selected = force, x, recent[2:-1, 2:-2].copy(), whole
         return bool(whole.any()) and not self._is_frozen(force, x, deviation)
 
-    def rows(self, x0: float) -> Array:
-        """Return the rows of the windows selected, about a reference [m]."""
+    def rows(self, x0: float, deepest: float) -> Array:
+        """Return the rows of the windows selected, about x0; greatest position before [m]."""
         force, x, (v, *bent), whole = self._selected
-        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent)
+        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent,
+                                  deepest=deepest)
         return phi if whole.all() else phi[:, whole]
 
     def next_to_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:

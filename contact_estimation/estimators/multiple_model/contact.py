@@ -50,7 +50,7 @@ class ContactFilter:
         self._segment, self._rise = Segment(), Segment()
         self._stepped = 0.0, 0.0  # the level if it has stepped, and its variance
         self._look_s = SEGMENT_S  # when a force is compared with the travel
-        self._colour = Colour()
+        self._colour, self._surface = Colour(), nan  # where it may begin at most [m]
 
     def expect_noise(self, least: float) -> None:
         """Set the least standard deviation of the force, which may change with the motion [N]."""
@@ -125,7 +125,7 @@ class ContactFilter:
         surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
         Returns count: number of samples judged
         """
-        before = self.state
+        before, self._surface = self.state, surface - _OUTSIDE * std
         judge = (self._in_free_flight, self._in_contact, self._in_neither)[before]
         count = judge(dt, force, x, _places(x, surface, std))
         if self.state != before:
@@ -212,15 +212,16 @@ class ContactFilter:
             if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
                 kept = count
-                if segment.excludes_wall_near(variance, level) or self._look_s < SEGMENT_S and (
-                        segment.excludes_wall_from(self.onset, variance, level)):
+                if segment.excludes_wall_near(variance, level, self._surface) or (
+                        self._look_s < SEGMENT_S and segment.excludes_wall_from(
+                            self.onset, variance, level)):
                     self.set_level(*segment.mean(variance))
                     self.state = FREE
                     break
                 self._look_s = min(self._look_s + _LOOK_S, SEGMENT_S)
                 if seconds > SEGMENT_S:
-                    seconds, self._look_s = 0.0, SEGMENT_S
-                    segment.clear()
+                    segment.forget(_LOOK_S / seconds)
+                    seconds, self._look_s = segment.seconds, SEGMENT_S
         segment.add(seconds, xs[kept:count], forces[kept:count])
         self._up, self._down = up, down
         return count
@@ -277,6 +278,8 @@ class ContactFilter:
                     place < _TEACHES and segment.stays(variance) and not segment.grows):
                 self.set_level(*segment.mean(variance))
                 self.state = FREE
+            elif z > SLOPE_STD and place >= _FAR_INSIDE:
+                self.state = CONTACT  # it presses where the wall is: the pull before has passed
             elif segment.seconds > 2.0 * SEGMENT_S:
                 self._begin_state()
 

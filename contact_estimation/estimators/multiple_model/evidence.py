@@ -10,9 +10,9 @@ import numpy as np
 
 from .constants import NEAR_DEPTH, NOISE_DOUBT, UNLIKELY
 from .laws import (
-    ACCELERATION, ACCELERATION_NOISE, Array, CHOSEN, COLUMNS, CURVED, DEEP, DEPTH, EXPONENT,
-    FORCE_RATE, FRICTION, Ints, MASS, NOISE, OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE,
-    scales, TIMES_RATE, UNKNOWNS)
+    ACCELERATION, ACCELERATION_NOISE, Array, BENT, CHOSEN, COLUMNS, CURVED, DEPTH, EXPONENT,
+    FORCE_RATE, FRICTION, Ints, LATE, MASS, NOISE, OF_DEPTH, OF_RATE, ONE, prior, RATE, RATE_NOISE,
+    scales, TIMES_RATE, UNKNOWNS, YIELDING)
 
 _DIAGONAL = np.arange(UNKNOWNS)
 _TIMES: Ints = np.array([dict(zip(OF_RATE, TIMES_RATE))[column] for column in CHOSEN[:, 1]])
@@ -83,18 +83,18 @@ class Judged(NamedTuple):
 
     # (N,) log marginal likelihood, up to what all hypotheses on the same data share
     evidence: Array
-    theta: Array  # (N, 5) means
-    P: Array  # (N, 5, 5) covariances
+    theta: Array  # (N, 6) means
+    P: Array  # (N, 6, 6) covariances
 
 
 class _Normal(NamedTuple):
     """Normal equations of hypotheses."""
 
-    # scaled, unit (N, 5, 5), (N, 5): A = G + L with a diagonal of 1, and what it was multiplied by
+    # scaled, unit (N, 6, 6), (N, 6): A = G + L with a diagonal of 1, and what it was multiplied by
     # on both sides
     scaled: Array
     unit: Array
-    # eta, std (N, 5): information vectors, and the deviations of the priors
+    # eta, std (N, 6): information vectors, and the deviations of the priors
     eta: Array
     std: Array
     squares: Array  # (N,) f^T f + m^T L m
@@ -113,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 19, 19): one for each hypothesis; they are overwritten
+    grams (N, 21, 21): one for each hypothesis; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 
@@ -137,12 +137,15 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     row = np.arange(count)
     gram = flat[row[:, None], _FLAT[laws]].reshape(
         count, UNKNOWNS + 1, UNKNOWNS + 1) * (scale[:, :, None] * scale[:, None, :])
-    tau = np.where(DEEP[laws], scene.lag[0], 0.0)  # f + tau f' for f
+    tau = np.where(LATE[laws], scene.lag[0], 0.0)  # f + tau f' for f
     if scene.lag[0] and tau.any():
         late = tau[:, None] * np.take_along_axis(grams[:, FORCE_RATE], chosen, axis=1) * scale
         gram[:, :UNKNOWNS, UNKNOWNS] += late[:, :UNKNOWNS]
         gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * late[:, UNKNOWNS] + tau * tau * grams[
             :, FORCE_RATE, FORCE_RATE]
+    bent = laws == BENT  # y^k / D^(k-1) - y, so that K is the secant at the depth
+    gram[bent, 4:6] -= gram[bent, 0:1]
+    gram[bent, :, 4:6] -= gram[bent, :, 0:1]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
     # A curved law is known near x0 only: its prior is cut off by exp(-s^2 / 2 near).
@@ -153,10 +156,13 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     offset = what.centre - scene.x0
     lost = np.log1p(told / near) + np.square(K * offset) / (told + near)
     offset = offset / (1.0 + told / near)
-    L = np.zeros((count, UNKNOWNS, UNKNOWNS))
-    L[:, _DIAGONAL, _DIAGONAL] = precision
-    L[:, 0, 3] = L[:, 3, 0] = offset * precision[:, 3]
-    L[:, 0, 0] += offset * offset * precision[:, 3]
+    there = np.zeros((count, UNKNOWNS))  # the force at the centre of the surface
+    there[:, 3], there[:, 0] = 1.0, offset
+    o = offset[bent, None]
+    there[bent, 4:] = o * np.concatenate([o, o * o], axis=1) * scale[bent, 4:6] - o
+    L = precision[:, 3, None, None] * there[:, :, None] * there[:, None, :]
+    precision[:, 3] = 0.0
+    L[:, _DIAGONAL, _DIAGONAL] += precision
     pulled = (L @ mean[:, :, None])[:, :, 0]
     A = gram[:, :UNKNOWNS, :UNKNOWNS] + L
     eta = gram[:, :UNKNOWNS, UNKNOWNS] + pulled
@@ -171,7 +177,7 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
         gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one,
         gram[:, 1, 1] + scale[:, 1] ** 2 * rate * (
             rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times]),
-        np.where(DEEP[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
+        np.where(LATE[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
@@ -269,7 +275,7 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
     """
     theta, P = judged.theta, judged.P
     tau, std = scene.lag
-    K, linear = theta[:, 0], np.where(DEEP[laws], 0.0, 1.0)
+    K, linear = theta[:, 0], np.where(LATE[laws], 0.0, 1.0)
     delta, variance = surfaces(judged)
     B_variance = P[:, 1, 1] + linear * (
         (K * std) ** 2 + tau * (2.0 * P[:, 0, 1] + tau * P[:, 0, 0]))
@@ -298,9 +304,9 @@ def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
 def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:
     """Return what it costs that stiffness, damping, friction and mass are not negative."""
     theta, P = judged.theta, judged.P
-    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
+    damping = theta[:, 1] + np.where(LATE[laws], 0.0, scene.lag[0]) * theta[:, 0]
     values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
-                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
+                       np.where((laws == FRICTION) | (laws == YIELDING), theta[:, 4], 0.0)])
     variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
     below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
     return np.minimum(0.5 * below.sum(0), 15.0)

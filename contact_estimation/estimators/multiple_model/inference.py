@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 from .blocks import Blocks
 from .constants import (
     ANYWHERE_M, COMMIT, EXACT_SURFACE_M, LEAST_STIFFNESS, NEAR_DEPTH, SHIFT, UNLIKELY)
-from .contact import CONTACT, ContactFilter
+from .contact import CONTACT, ContactFilter, FREE
 from .evidence import hypotheses, judge_in_parts, Judged, mixture, negativity, Scene, walls
 from .knowledge import Knowledge
 from .laws import (
     ACCELERATION, ACCELERATION_NOISE, Array, CURVED, EXPONENT, FORCE, IMPARTIAL, Ints,
-    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE)
+    LOG_PRIOR, MOVING, NAMES, RATE)
 from .report import Report
 from .residuals import Residuals
 from .rhythm import Rhythm, SETTLED, SURPRISE
 from .runs import decided, LEAST_BLOCKS, Touch
 from .slow_states import LagPosterior
 from .touch import before_release, surface_of_touch
-from .wall_statistics import Replaced, WallStatistics
+from .wall_statistics import WallStatistics
 
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
@@ -35,9 +35,6 @@ _START = 3  # blocks in which the scale of the priors is not known
 class WallInference:
     """
     What is inferred of a wall from the blocks of its contacts.
-
-    A hypothesis is a small linear fit of some columns to the sum of the Gram matrices of all
-    blocks, and its evidence is that of a Gaussian model.
 
     location, location_std: x_e as told, NaN where unknown, and its standard deviation [m]
     lag: prior of the lag of the force sensor [s]
@@ -60,10 +57,11 @@ class WallInference:
         self._sums = WallStatistics(location, std)
         self.residuals, self.changes = Residuals(blocks, contact), 0
         self._touched: Touch | None = None
-        self._outward = 0  # blocks in a row in which the tool moves out of the wall
-        # The walls before the first change since the touch, and before that of an outward motion
-        # to the end, each with the number of blocks then.
-        self._replaced: list[tuple[int, Replaced]] = []
+        # The walls before the first change since the touch, and before the tool moved outward, if
+        # it does; whether the wall has changed since then, and mean rate of the last block [m/s].
+        self._first: WallStatistics | None = None
+        self._inward: WallStatistics | None = None
+        self._changed, self._rate = False, 0.0
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
         # Log odds of each law as last judged before something seems to have changed.
@@ -111,7 +109,8 @@ class WallInference:
         free_s, rate: time since the last contact [s], and rate of the tool [m/s]
         """
         self.rhythm.touch()
-        self._level, self._replaced, self._sums.same = self._contact.level, [], None
+        self._level, self._sums.same = self._contact.level, None
+        self._first = self._inward = None
         known, unfelt, noise = self.known, self._unfelt, self._blocks.noise[0]
         late = rate * hypot(*self.lag.lag)
         error = EXACT_SURFACE_M + hypot(sqrt(noise) if noise == noise else 0.0, late)
@@ -144,7 +143,7 @@ class WallInference:
         self.rhythm = Rhythm(self.rhythm.followed)
         self.residuals.best = self._of_laws = None
         self._report.known = self.known._replace(stiffness_std=nan, damping_std=nan)
-        self._excited_at, self._doubted, self._outward = -1, False, 0
+        self._excited_at, self._doubted = -1, False
         self.changes += 1
 
     @property
@@ -159,7 +158,7 @@ class WallInference:
         if not blocks.select(windows, self._contact, later):
             return
         yield
-        phi = blocks.rows(self._sums.x0)
+        phi = blocks.rows(self._sums.x0, self._sums.deepest)
         phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights, told = self._weights(phi)
@@ -197,7 +196,8 @@ class WallInference:
             sums.scale, sums.places_without_touch)
         yield
         if found is not None and found[1] < _STRADDLES * sums.move_to(found[0]):
-            phi = smooth.rows(force, x, np.full(len(x), nan), sums.x0, self._blocks.noise, True)
+            phi = smooth.rows(force, x, np.full(len(x), nan), sums.x0, self._blocks.noise, True,
+                              deepest=sums.deepest)
             self._add(phi, *self._weights(phi))
             yield
             if self.rhythm.blocks <= _START:
@@ -205,26 +205,33 @@ class WallInference:
             yield from self._judge()
             sums.runs.begin()
 
-    def zero_has_stepped(self, x: float) -> bool:
-        """Return whether free flight at a place [m] has another force than before a contact."""
-        return bool(self._replaced) and x < self._replaced[0][1].edge and (
-            abs(self._contact.level - self._level) > self._unfelt)
+    @property
+    def zero_has_changed(self) -> bool:
+        """Whether free flight has another force than before a contact."""
+        return abs(self._contact.level - self._level) > self._unfelt
 
     def leave(self) -> Iterator[None]:
         """End a contact: weigh its last data, and forget a change that only a release showed."""
         if self.rhythm.unjudged:
             yield
             yield from self._judge()
-        yield from self.put_back(self.rhythm.blocks - self._outward)
+        if self._inward is not None and self._changed:
+            yield from self._return_to(self._inward)
+        if self._contact.state == FREE and not self.zero_has_changed:
+            self._inward = None
 
-    def put_back(self, since: int = 0) -> Iterator[None]:
-        """Put the wall back that was before the first change since a number of blocks."""
-        known, later = ([one for one in self._replaced if (one[0] > since) == after]
-                        for after in (False, True))
-        if not later:
+    def put_back(self, x: float) -> Iterator[None]:
+        """Put back the wall before what a zero that has changed has done to it, free at x [m]."""
+        before = self._first or self._inward
+        if before is None or not x < before.edge:
             return
-        self._replaced = known
-        self._sums.put_back(later[0][1])
+        if before is self._inward:  # no step, but a drift: the wall is known with the zero of now
+            before.shift_force(self._contact.level - self._level)
+        self._first = None
+        yield from self._return_to(before)
+
+    def _return_to(self, before: WallStatistics) -> Iterator[None]:
+        self._sums, self._inward = before, None
         self.residuals.best = None
         self.changes += 1
         yield
@@ -256,7 +263,11 @@ class WallInference:
                 self._sums.runs.begin(self._touched)
             self._touched = None
         self.rhythm.add(seconds)
-        self._outward = self._outward + 1 if float(phi[RATE].mean()) < 0.0 else 0
+        self._rate = float(phi[RATE].mean())
+        if self._rate > 0.0:
+            self._inward = None
+        elif self._rate < 0.0 and self._inward is None:
+            self._inward, self._changed = self._sums.copied(), False
         self._sums.add(phi, weights, told, seconds, smooth.hop * smooth.noise)
 
     def _judge(self) -> Iterator[None]:
@@ -312,30 +323,19 @@ class WallInference:
         if self.known.valid:
             sums.rescale(self.known.stiffness, self.known.damping, _SOFTER * sums.scale)
         if self.rhythm.blocks > SETTLED:
-            self._learn_lag(weights, judged)
+            self.lag.learn(weights.reshape(_LAWS, -1), judged.theta, judged.P)
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0 and max(gaps) < -COMMIT:
             yield
-            self._note_change(sums.commit(change, certain, self._of_laws, scene))
+            before_it = sums.commit(change, certain, self._of_laws, scene)
+            self._first, self._changed = self._first or before_it, True
+            if not self._rate:
+                self._inward = None
+            self.changes += not change.shift[certain]
             self._of_laws = None
             K, B = change.judged.theta[certain, :2].tolist()
             sums.rescale(K, B, 1.0, self.lag.lag[0])
         self._follow_surface(weights, judged, what.law, scene)
-
-    def _note_change(self, before: Replaced) -> None:
-        """Keep the wall before a change if it is the first of the contact, or of its release."""
-        blocks = self.rhythm.blocks
-        self.changes += before.other
-        if not self._replaced or self._outward and (
-                self._replaced[-1][0] <= blocks - self._outward):
-            self._replaced[1:] = [(blocks, before)]
-
-    def _learn_lag(self, weights: Array, judged: Judged) -> None:
-        """Learn the lag where a spring and a damper are all that is there."""
-        of_law = weights.reshape(_LAWS, -1)
-        if of_law[KELVIN_VOIGT].sum() > 0.5:
-            k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
-            self.lag.learn(judged.theta[k], judged.P[k])
 
     def _follow_surface(self, weights: Array, judged: Judged, laws: Ints, scene: Scene) -> None:
         """Move the reference of the columns to the surface: of curved laws where one may be."""

@@ -204,8 +204,8 @@ class WallPosterior:
             self._leave(t)
         elif self.contact.state == CONTACT:
             self._touch(t, x)
-        if self.contact.state == FREE and self.wall.zero_has_stepped(x):
-            self._begin_work(self.wall.put_back())
+        if self.contact.state == FREE and self.wall.zero_has_changed:
+            self._begin_work(self.wall.put_back(x))
 
     def _learn(self, dt: float, sample: tuple[float, ...], usable: bool) -> None:
         """Add a sample to the block; begin the work on a block that it completes."""

@@ -11,7 +11,7 @@ import numpy as np
 from .constants import ANYWHERE_M, DAMPING_FLOOR, STIFFNESS_FLOOR, UNLIKELY
 from .evidence import joined, Judged, mixture, Scene, walls
 from .knowledge import Knowledge, SURE
-from .laws import Array, CURVED, DEEP, IMPARTIAL, Ints, MASS, NAMES, POWERS
+from .laws import Array, BENT, IMPARTIAL, Ints, MASS, NAMES, POWERS
 from .residuals import Residuals
 from .wall_statistics import WallStatistics
 
@@ -26,6 +26,7 @@ class Report:
     def __init__(self, known: Knowledge) -> None:
         self.known = known
         self._depth = nan  # of the last K_e [m]
+        self._powers = POWERS.copy()  # that of a curved wall is what was found
         self._curved: tuple[float, ...] = 0.0, 0.0  # relative variances if it may be curved
 
     def publish(
@@ -37,7 +38,8 @@ class Report:
 
         others: hypotheses of one law beside them, with their probabilities
         """
-        of_law = weights.reshape(len(NAMES), -1).sum(1)
+        every_law = weights.reshape(len(NAMES), -1)
+        of_law = every_law.sum(1)
         found = every = walls(judged, laws, scene, ANYWHERE_M)
         # Walls are seldom curved, but where one may be, its band holds what it would be then.
         impartial = weights * IMPARTIAL[laws]
@@ -50,7 +52,12 @@ class Report:
             max(other + (there - here) ** 2 - own, 0.0) / max(here * here, 1e-18)
             for here, there, own, other in ((K, K_else, spreads[0], curved[0]),
                                             (B, B_else, spreads[1], curved[1])))
-        mass = judged.theta[MASS * (len(judged.theta) // len(NAMES)), 2]
+        places = every_law.shape[1]
+        mass = judged.theta[MASS * places, 2]
+        bent = BENT * places + int(np.argmax(every_law[BENT]))
+        stiffness, *_, square, cube = judged.theta[bent].tolist()
+        if stiffness > 0.0:
+            self._powers[0, BENT] = min(max((square + 2.0 * cube) / stiffness, -1.0), 2.0)
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, ANYWHERE_M
         if K_std < SURE * K:  # else nothing is found of it
@@ -63,16 +70,16 @@ class Report:
 
     def _varies(self, sums: WallStatistics, of_law: Array) -> tuple[float, float]:
         """Return by how much more K_e and B_e deviate; see `Knowledge.varies`."""
-        scatter = POWERS**2 @ of_law * (sums.scatter / sums.depth**2)
+        scatter = self._powers**2 @ of_law * (sums.scatter / sums.depth**2)
         K, B = np.sqrt(scatter + self._curved).tolist()
         return K, B
 
     def follow_depth(self, sums: WallStatistics) -> None:
         """Publish K_e and B_e of curved laws at the depth of now."""
         known, of_law = self.known, np.array(self.known.laws)
-        if not known.valid or of_law[CURVED | DEEP].sum() < UNLIKELY:
+        if not known.valid or of_law[self._powers.any(axis=0)].sum() < UNLIKELY:
             return
-        K, B = ((sums.depth / self._depth) ** POWERS @ of_law).tolist()
+        K, B = ((sums.depth / self._depth) ** self._powers @ of_law).tolist()
         self._depth = sums.depth
         self.known = known._replace(
             stiffness=K * known.stiffness, damping=B * known.damping,

@@ -14,7 +14,7 @@ from .contact import ContactFilter
 from .evidence import Scene
 from .knowledge import Knowledge
 from .laws import (
-    Array, CHOSEN, DEEP, DEPTH, EXPONENT, FORCE, FORCE_RATE, Ints, POWERS, scales, UNKNOWNS)
+    Array, BENT, CHOSEN, DEPTH, EXPONENT, FORCE, FORCE_RATE, Ints, LATE, POWERS, scales, UNKNOWNS)
 
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
 _OF_MEDIAN = 1.57  # its variance over that of a mean: pi / 2
@@ -104,7 +104,8 @@ class Residuals:
         if scene.x0 != x0:
             return inf
         columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
-        tau = scene.lag[0] if DEEP[law[0]] else 0.0
+        tau = scene.lag[0] if LATE[law[0]] else 0.0
+        columns[4:] -= (law[0] == BENT) * columns[0]
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self._blocks.smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)

@@ -46,12 +46,12 @@ class Before(NamedTuple):
     """What was before each run."""
 
     used: Ints  # (N,) indices of the runs
-    since: Array  # (N, 19, 19) Gram matrices since then
+    since: Array  # (N, 21, 21) Gram matrices since then
     judged: Judged  # the wall before
     old: Ints  # which of them are old enough for another wall
     what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
-    gram: Array  # (19, 19) of all data
+    gram: Array  # (21, 21) of all data
 
 
 class Touch(NamedTuple):
@@ -137,7 +137,7 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        gram (19, 19): of all data
+        gram (21, 21): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
         least: blocks that another wall must have within a contact
@@ -222,7 +222,7 @@ def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
     """
     Return data in a part of which the force may have shifted, and what the evidence loses.
 
-    gram, part (19, 19), (N, 19, 19): of all data, and of the part
+    gram, part (21, 21), (N, 21, 21): of all data, and of the part
     variance (N,): of the shift [N^2]
     """
     column = part[:, ONE]
@@ -237,7 +237,7 @@ def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
 
     At rest either explains a step of the force, which has a variance [N^2].
 
-    gram, part (19, 19): of all data, and of the part
+    gram, part (21, 21): of all data, and of the part
     delta: surface less x0 [m]
     """
     to_depth = np.array([[1.0, -delta], [0.0, 1.0]])

@@ -3,7 +3,7 @@
 
 """Whether a force follows the position beside it, or stays the same."""
 
-from math import sqrt
+from math import nan, sqrt
 from typing import Sequence
 
 import numpy as np
@@ -36,6 +36,13 @@ class Segment:
         self.seconds = seconds
         self._x.extend(x)
         self._f.extend(f)
+        self._known = None
+
+    def forget(self, share: float) -> None:
+        """Forget a share of the samples, the oldest."""
+        count = round(share * len(self._x))
+        del self._x[:count], self._f[:count]
+        self.seconds *= 1.0 - share
         self._known = None
 
     @property
@@ -87,13 +94,20 @@ class Segment:
         count, *_, ff = self._moments
         return ff <= SLOPE_STD * count * noise
 
-    def excludes_wall_near(self, noise: float, level: float) -> bool:
-        """Return whether the force stays where a wall within 0.1 m would give it a slope."""
+    def excludes_wall_near(self, noise: float, level: float, surface: float = nan) -> bool:
+        """
+        Return whether the force stays where a wall would give it a slope.
+
+        Of a wall within 0.1 m, or of one with a surface, where the tool leaves half of the depth:
+        on the way in a wall may crush.
+        """
         count, mean, xx, xf, ff = self._moments
         if count < FEW or xx <= 0.0 or not self.stays(noise):
             return False
         deviation = sqrt(max(noise, ff / count) / xx)
-        return abs(xf / xx) + SLOPE_STD * deviation <= abs(mean - level) / ANYWHERE_M
+        depth, left = self._x[0] - surface, self._x[0] - self._x[-1]
+        reach = depth if depth < min(2.0 * left, ANYWHERE_M) else ANYWHERE_M  # NaN: not known
+        return reach * (abs(xf / xx) + SLOPE_STD * deviation) <= abs(mean - level)
 
     def excludes_wall_from(self, onset: float, noise: float, level: float) -> bool:
         """

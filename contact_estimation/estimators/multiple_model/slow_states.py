@@ -9,7 +9,7 @@ import numpy as np
 
 from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
 from .laws import (
-    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, LOG_PRIOR, MASS,
+    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
     MOVING, ONE, SIGN)
 
 
@@ -40,13 +40,17 @@ class LagPosterior:
         tau = float(p @ _TAU)
         self.lag = tau, sqrt(float(p @ np.square(_TAU - tau)) + 1e-10)
 
-    def learn(self, theta: Array, P: Array) -> None:
+    def learn(self, weights: Array, theta: Array, P: Array) -> None:
         """
-        Use a fit of K, B' and M' to all contacts of a wall.
+        Use a fit of K, B' and M' to all contacts of a wall, if a spring and a damper are all.
 
-        theta, P (5,), (5, 5): coefficients and covariance
+        weights (N, M): of each law with each surface
+        theta, P (N M, 6), (N M, 6, 6): coefficients and covariance of each
         """
-        K, B, M = theta[:3]
+        if weights[KELVIN_VOIGT].sum() <= 0.5:
+            return
+        k = MASS * weights.shape[1] + int(np.argmax(weights[KELVIN_VOIGT]))
+        (K, B, M), P = theta[k, :3], P[k]
         error = M + (B + K * _TAU) * _TAU - TWO_POLES * K * _TAU ** 2
         variance = _CORRELATED * (P[2, 2] + _TAU * (2.0 * P[1, 2] + _TAU * P[1, 1]))
         variance = variance + (POLES_STD * K * _TAU ** 2) ** 2 + (_ELSE * K) ** 2
@@ -69,7 +73,7 @@ class OwnData:
     The Gram matrix of a law for which the data are not what they are for all others.
 
     law: index of NAMES
-    gram (19, 19): of all blocks
+    gram (21, 21): of all blocks
     gained: log odds to be added to its evidence
     """
 
@@ -104,7 +108,7 @@ class DoubtedRows(OwnData):
         """
         Return what the variance of samples has under this law alone, (N,) [N^2].
 
-        phi (19, N): rows
+        phi (21, N): rows
         noise: variance of S0 of white noise of variance 1
         """
         if self.law == FRICTION:

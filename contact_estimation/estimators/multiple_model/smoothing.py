@@ -9,16 +9,16 @@ between them stays exact, also across the touch, where y = max(x - x0, 0) has a 
 noise of the force keeps its variance in the sums.
 """
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .laws import (
-    ACCELERATION, ACCELERATION_NOISE, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, NOISE,
-    OF_RATE, ONE, POWER, POWER_CURVE, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE, RATE_NOISE,
-    SIGN, SQUARE, SQUARE_RATE, TIMES_RATE)
+    ACCELERATION, ACCELERATION_NOISE, Array, COLUMNS, CUBE, CUBE_RATE, DEPTH, FORCE, FORCE_RATE,
+    NOISE, OF_RATE, ONE, POWER, POWER_CURVE, POWER_DAMPING, POWER_RATE, POWER_SLOPE, RATE,
+    RATE_NOISE, SET, SIGN, SQUARE, SQUARE_RATE, TIMES_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
@@ -71,7 +71,7 @@ class Smoothing:
 
     def rows(
         self, force: Array, x: Array, v: Array, x0: float, noise: tuple[float, float],
-        touching: bool = False, bent: Sequence[Array] = (),
+        touching: bool = False, bent: Sequence[Array] = (), deepest: float = -inf,
     ) -> Array:
         """
         Return the rows of successive samples.
@@ -81,8 +81,9 @@ class Smoothing:
         x0: reference of the depth [m]
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
+        deepest: greatest position before [m]
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (19, N): the columns of `laws`, a row for each window
+        Returns phi (21, N): the columns of `laws`, a row for each window
         """
         windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
@@ -105,7 +106,8 @@ class Smoothing:
         phi[POWER_DAMPING] = smooth[3, 1]
         phi[POWER_SLOPE] = smooth[4, 0]
         phi[POWER_CURVE] = smooth[5, 0]
-        phi[CUBE_RATE] = smooth[6, 1]
+        phi[CUBE], phi[CUBE_RATE] = 3.0 * smooth[6, 0], smooth[6, 1]
+        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest - x0)) @ mean)
         phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
         phi[NOISE] = sqrt(noise[0] * self.noise)
         if any(column.any() for column in bent):

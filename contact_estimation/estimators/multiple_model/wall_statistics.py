@@ -4,8 +4,9 @@
 """The sufficient statistics of a wall: Gram matrices of its blocks, and scales of the priors."""
 
 from collections import deque
+from copy import copy
 from math import exp, hypot, inf, log, nan, sqrt
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from .constants import (
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .knowledge import OUTSIDE
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE,
-    shifted_table)
+    Array, COLUMNS, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES,
+    ONE, RATE, SET, shifted_table)
 from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import DoubtedRows, MovingWall, OwnData
 
@@ -27,25 +28,11 @@ _KEPT = 2  # places of a surface before a change
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
 
 
-class Replaced(NamedTuple):
-    """The wall before a change: the attributes of its statistics."""
-
-    other: bool  # whether the wall is another since, not the zero of the sensor
-    x0: float
-    gram: Array
-    odds: Array
-    surfaces: list[Place]
-    scale: float
-    seconds: float
-    depth: float
-    edge: float  # outside of which the tool is free [m]
-
-
 class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (19, 19): Gram matrix of all data before it
+    before (21, 21): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -68,7 +55,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (19, 19): of the data since the change
+        since (21, 21): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -79,7 +66,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (19, 19) of what seemed another wall."""
+        """Note another step, after data (21, 21) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -99,13 +86,15 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (19, 19): sum of the Gram matrices of all blocks, the older, the less
+    gram (21, 21): sum of the Gram matrices of all blocks, the older, the less
     walking, doubting: the same of walls that move or drift, of laws that doubt some rows
     runs: the same since every time of a possible change
     odds: log odds of each law
     surfaces: where the surface may be
-    x0, depth, scatter: reference of the columns [m], mean depth of late [m], its variance [m^2]
+    x0, deepest: reference of the columns, and greatest position so far [m]
+    depth, scatter: mean depth of late [m], its variance [m^2]
     scale, seconds: K_e [N/m] and B_e / K_e [s] for the priors
+    edge: outside of which the tool is free [m]
     same: the wall before the last change where the zero may have stepped instead, else None
     """
 
@@ -118,10 +107,11 @@ class WallStatistics:
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
                          Place(location, ANYWHERE_M, ELSEWHERE)]
         self.x0 = location if location == location else 0.0
-        self.depth, self.scatter = 1e-3, 0.0
+        self.depth, self.scatter, self.deepest = 1e-3, 0.0, -inf
         self._depths: deque[tuple[float, float, float]] = deque()  # of late: time, place, variance
         self.scale, self.seconds = 1e3, DAMPING_S
         self.same: SameWall | None = None
+        self.edge = inf
 
     def look_near(self, surface: float, std: float, unfelt: float, as_told: bool) -> None:
         """
@@ -134,6 +124,23 @@ class WallStatistics:
         told = self._told if as_told else (0.0, inf)
         self.surfaces = [*(self.surfaces[:1] if as_told else []), Place(
             surface, std, NEAR, unfelt, *told), Place(surface, ANYWHERE_M, ELSEWHERE)]
+
+    def copied(self) -> 'WallStatistics':
+        """Return a copy to go on from, with no runs yet."""
+        other = copy(self)
+        other.walking = [copy(one) for one in self.walking]
+        other.doubting = [copy(one) for one in self.doubting]
+        other._depths, other.runs, other.same = self._depths.copy(), copy(self.runs), None
+        other.runs.clear()
+        return other
+
+    def shift_force(self, more: float) -> None:
+        """Take a force from that of all data [N]."""
+        table = np.eye(COLUMNS)
+        table[FORCE, ONE] = -more
+        self.gram = table @ self.gram @ table.T
+        for one in self.own:
+            one.move(table)
 
     @property
     def own(self) -> list[OwnData]:
@@ -155,9 +162,9 @@ class WallStatistics:
         """
         gram = (phi * weights) @ phi.T
         fade = exp(-seconds / FADE_S)
+        self.deepest = max(self.deepest, self.x0 - float(phi[SET].min()))
         self._note_depth(seconds, phi[DEPTH])
-        self.gram *= fade
-        self.gram += gram
+        self.gram = fade * self.gram + gram
         if self.same is not None:
             self.same.fade(fade)
         self.runs.add(gram, fade, seconds)
@@ -254,7 +261,7 @@ class WallStatistics:
 
     def commit(
         self, change: Change, best: int, of_laws: Array, scene: Scene
-    ) -> Replaced:
+    ) -> 'WallStatistics':
         """
         Drop the wall before a change and return it; its laws and motion stay a prior.
 
@@ -264,8 +271,9 @@ class WallStatistics:
         other = not change.shift[best]
         gram = self.runs.commit(int(change.run[best]))
         before = self.gram - gram
-        replaced = Replaced(other, self.x0, before, self.odds, self.surfaces, self.scale,
-                            self.seconds, self.depth, centre - OUTSIDE * std)
+        replaced = self.copied()
+        replaced.gram, replaced.edge = before, centre - OUTSIDE * std
+        replaced.restart_own()
         if other:
             law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
             what = hypotheses(law, self.surfaces, self.scale, scene.depth)
@@ -291,11 +299,15 @@ class WallStatistics:
     def _go_on(self, gram: Array, kept: Sequence[tuple[float, float, float]]) -> None:
         """Use other data, and a surface that is at one of some places or elsewhere."""
         self.gram = gram
-        for one in self.own:
-            one.restart(gram, float(self.odds[:MOVING].max()))
+        self.restart_own()
         centre, std, _ = kept[0]
         self.surfaces = [*(Place(at, error, STILL_THERE * p) for at, error, p in kept
                            if p > UNLIKELY), Place(centre, max(self.depth, std), ELSEWHERE)]
+
+    def restart_own(self) -> None:
+        """Let laws whose data are their own begin from those of all others."""
+        for one in self.own:
+            one.restart(self.gram, float(self.odds[:MOVING].max()))
 
     def _doubt(self, change: Change, best: int, before: Array, what: Hypotheses) -> None:
         """Keep the wall before a change, in case the zero has stepped instead."""
@@ -326,12 +338,3 @@ class WallStatistics:
             self.same = None
         share = np.array([1.0 / (1.0 + exp(-max(same.odds, -50.0)))])
         return share, judged, int(same.what.law[0])
-
-    def put_back(self, before: Replaced) -> None:
-        """Put the wall before a change back, since what has changed was the zero."""
-        (_, self.x0, self.gram, self.odds, self.surfaces, self.scale, self.seconds, self.depth,
-         _) = before
-        self.same = None
-        self.runs.clear()
-        for one in self.own:
-            one.restart(self.gram, float(self.odds[:MOVING].max()))
