@@ -21,7 +21,7 @@ from .laws import (
 from .report import Report
 from .residuals import Residuals
 from .rhythm import Rhythm, SETTLED, SURPRISE
-from .runs import decided, LEAST_BLOCKS, Touch
+from .runs import Change, decided, LEAST_BLOCKS, Touch
 from .slow_states import LagPosterior
 from .touch import before_release, surface_of_touch
 from .wall_statistics import WallStatistics
@@ -327,15 +327,20 @@ class WallInference:
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
         if change is not None and certain >= 0 and max(gaps) < -COMMIT:
             yield
-            before_it = sums.commit(change, certain, self._of_laws, scene)
-            self._first, self._changed = self._first or before_it, True
-            if not self._rate:
-                self._inward = None
-            self.changes += not change.shift[certain]
-            self._of_laws = None
-            K, B = change.judged.theta[certain, :2].tolist()
-            sums.rescale(K, B, 1.0, self.lag.lag[0])
+            self._commit(change, certain, scene)
         self._follow_surface(weights, judged, what.law, scene)
+
+    def _commit(self, change: Change, certain: int, scene: Scene) -> None:
+        """Begin anew where a change of the wall is certain."""
+        assert self._of_laws is not None  # a change is one from the laws before it
+        before = self._sums.commit(change, certain, self._of_laws, scene)
+        self._first, self._changed = self._first or before, True
+        if not self._rate:
+            self._inward = None
+        self.changes += not change.shift[certain]
+        self._of_laws = None
+        K, B = change.judged.theta[certain, :2].tolist()
+        self._sums.rescale(K, B, 1.0, self.lag.lag[0])
 
     def _follow_surface(self, weights: Array, judged: Judged, laws: Ints, scene: Scene) -> None:
         """Move the reference of the columns to the surface: of curved laws where one may be."""

@@ -85,30 +85,9 @@ class Smoothing:
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
         Returns phi (21, N): the columns of `laws`, a row for each window
         """
-        windows = (len(x) - 2 * self.half - 1) // self.hop + 1
+        phi, inside = self._of_positions(force, x - x0, touching, deepest - x0)
+        windows = phi.shape[1]
         table, mean, _ = self.bands(windows)
-        y = x - x0
-        inside = np.maximum(y, 0.0)
-        if touching:
-            y = inside
-        root = np.sqrt(inside)
-        power, square = inside * root, y * y
-        signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
-                            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
-                            square * y / 3.0, force])
-        smooth = (signals @ table).reshape(8, 3, windows)
-        phi = np.zeros((COLUMNS, windows))
-        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
-        phi[DEPTH:ACCELERATION + 1] = smooth[0]
-        phi[SQUARE] = 2.0 * smooth[1, 0]
-        phi[SQUARE_RATE] = smooth[1, 1]
-        phi[POWER:POWER_RATE + 1] = smooth[2, :2]
-        phi[POWER_DAMPING] = smooth[3, 1]
-        phi[POWER_SLOPE] = smooth[4, 0]
-        phi[POWER_CURVE] = smooth[5, 0]
-        phi[CUBE], phi[CUBE_RATE] = 3.0 * smooth[6, 0], smooth[6, 1]
-        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest - x0)) @ mean)
-        phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
         phi[NOISE] = sqrt(noise[0] * self.noise)
         if any(column.any() for column in bent):
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
@@ -136,6 +115,35 @@ class Smoothing:
         phi[RATE_NOISE], phi[ACCELERATION_NOISE] = sqrt(rate_noise), sqrt(bend_noise)
         phi[NOISE:, ::2] *= -1.0  # of either sign, so that no other column has them
         return phi
+
+    def _of_positions(
+        self, force: Array, y: Array, touching: bool, deepest: float
+    ) -> tuple[Array, Array]:
+        """Return the columns (21, N) but those of noise, of depths y (N,), and y inside."""
+        windows = (len(y) - 2 * self.half - 1) // self.hop + 1
+        table, mean, _ = self.bands(windows)
+        inside = np.maximum(y, 0.0)
+        if touching:
+            y = inside
+        root = np.sqrt(inside)
+        power, square = inside * root, y * y
+        signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
+                            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
+                            square * y / 3.0, force])
+        smooth = (signals @ table).reshape(8, 3, windows)
+        phi = np.zeros((COLUMNS, windows))
+        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
+        phi[DEPTH:ACCELERATION + 1] = smooth[0]
+        phi[SQUARE] = 2.0 * smooth[1, 0]
+        phi[SQUARE_RATE] = smooth[1, 1]
+        phi[POWER:POWER_RATE + 1] = smooth[2, :2]
+        phi[POWER_DAMPING] = smooth[3, 1]
+        phi[POWER_SLOPE] = smooth[4, 0]
+        phi[POWER_CURVE] = smooth[5, 0]
+        phi[CUBE], phi[CUBE_RATE] = 3.0 * smooth[6, 0], smooth[6, 1]
+        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest)) @ mean)
+        phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
+        return phi, inside
 
 
 def _fused(rate: Array, own: float, measured: Array, least: float) -> tuple[Array, float]:
