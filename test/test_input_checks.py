@@ -11,7 +11,7 @@ from contact_estimation.estimators import MULTIPLE_MODEL
 from contact_estimation.estimators.estimate import AxesEstimates, EstimateStatus
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
-from contact_estimation.pipeline.checks.check import AxisState, Evidence
+from contact_estimation.pipeline.checks.check import AxisState, Window
 from contact_estimation.pipeline.checks.input_checks import CHECKS
 from contact_estimation.pipeline.checks.rejections import REJECTIONS
 from contact_estimation.pipeline.events import (
@@ -275,8 +275,8 @@ def test_checks_use_a_measured_velocity_unless_a_driver_filters_it(late_s: float
     draw, t = np.random.default_rng(1), np.arange(0.0, 2.0, 0.002)
     x = 2e-3 * np.sin(30.0 * t) + 4e-6 * draw.standard_normal(len(t))
     v = 0.06 * np.cos(30.0 * (t - late_s)) + 3e-4 * draw.standard_normal(len(t))
-    seen = Evidence('x', EstimationParameters(), AxisState.of(EstimationPipeline()), t, x, v,
-                    np.zeros(len(t)), np.zeros(len(t), bool))
+    seen = Window('x', EstimationParameters(), AxisState.of(EstimationPipeline()), t, x, v,
+                  np.zeros(len(t)), np.zeros(len(t), bool))
     assert (seen.rate is v) == (late_s == 0.0)
 
 

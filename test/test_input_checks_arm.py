@@ -11,7 +11,7 @@ from typing import Any, Mapping
 from arm_contact import instants, JOINTS, NORMAL, PARAMETERS, swung, urdf
 from contact_estimation.parameters import build
 from contact_estimation.pipeline.axis_pipeline import EstimationPipeline
-from contact_estimation.pipeline.checks.check import AxisState, Evidence, Forces
+from contact_estimation.pipeline.checks.check import AxisState, Forces, Window
 from contact_estimation.pipeline.checks.input_checks import CHECKS, InputChecks
 from contact_estimation.pipeline.checks.rejections import Rejections
 from contact_estimation.pipeline.inputs import MessageInputs
@@ -160,7 +160,7 @@ def signal(draw: Any, count: int) -> NDArray[np.float64]:
 
 
 @st.composite
-def evidence(draw: Any) -> Evidence:
+def evidence(draw: Any) -> Window:
     """Draw evidence: tiny windows, stamps that repeat, constant and huge signals."""
     count = draw(st.sampled_from([0, 1, 2, 3, 4, 17, 100, 250, 1000]))
     random = np.random.default_rng(draw(st.integers(0, 9)))
@@ -171,7 +171,7 @@ def evidence(draw: Any) -> Evidence:
     contact = random.uniform(size=count) < draw(st.sampled_from([0.0, 0.5, 1.0]))
     parameters = build(EstimationParameters, ARM if draw(st.booleans()) else {})
     few = min(count, draw(st.sampled_from([0, 1, 1000])))
-    return Evidence(
+    return Window(
         'x', parameters, AxisState.of(EstimationPipeline()), t, x, v, force, contact,
         (Forces('y', signal(draw, few), x[:few]),),
         draw(st.sampled_from([float('nan'), 0.0, 1e-9, 50.0, 500.0, 1e9])),
@@ -181,7 +181,7 @@ def evidence(draw: Any) -> Evidence:
 
 @given(evidence())
 @settings(derandomize=True, deadline=None, max_examples=100)
-def test_every_check_returns_a_text_or_none(seen: Evidence) -> None:
+def test_every_check_returns_a_text_or_none(seen: Window) -> None:
     with np.errstate(all='ignore'):
         for check in CHECKS:
             assert isinstance(check.judge(seen), (str, type(None)))

@@ -10,7 +10,7 @@ from typing import Any
 
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
-from contact_estimation.diagnosis.checks.evidence import Evidence
+from contact_estimation.diagnosis.checks.quantities import Quantities
 from contact_estimation.diagnosis.checks.signs_and_axes import axis
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
@@ -93,7 +93,7 @@ def found_with(force: NDArray[np.float64]) -> bool:
     """Return whether the axis is accepted."""
     noise = 1e-3 * np.random.default_rng(5).standard_normal(len(TIMES))
     signals = Signals(TIMES, -force + noise, TIMES, DEPTH, np.empty(0), np.empty((4, 0)))
-    return axis(Evidence(signals, MODEL)).ok
+    return axis(Quantities(signals, MODEL)).ok
 
 
 def test_a_dome_that_buckles_is_accepted() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from .arm_recording import ArmRecording
 from .channels import Channels
 from .gram import INEXACT
-from .reading import Evidence, Reading
+from .reading import Reading, ReadingEvidence
 from ..checks.check import Check
 from ...kinematics.arm_dynamics import ArmDynamics
 
@@ -95,7 +95,7 @@ class Candidate(NamedTuple):
     check: str  # '' for a law, which the comparison of models names
     text: str
     reading: Reading
-    evidence: Evidence
+    evidence: ReadingEvidence
     places: float = 1.0  # as likely ways of its kind
     brief: str = ''  # in a list
 

@@ -29,7 +29,7 @@ _DRIVEN, _LOCAL = 3, 7  # coefficients that are positive, of those of a joint
 _ROUNDS = 4  # of the variances, which converge by half a digit each
 
 
-class Evidence(NamedTuple):
+class ReadingEvidence(NamedTuple):
     """How likely a reading is, and what it finds."""
 
     nat: float  # log evidence
@@ -121,7 +121,7 @@ class Reading:
         rms = np.sqrt(np.mean(own**2, axis=1, keepdims=True)) + 1e-9
         return np.asarray(2.0 * (turned[at] * tau.std(axis=1))[:, None, None] * own / rms)
 
-    def evidence(self, unknown: int = -1, further: Array | None = None) -> Evidence:
+    def evidence(self, unknown: int = -1, further: Array | None = None) -> ReadingEvidence:
         """
         Return the evidence.
 
@@ -162,6 +162,6 @@ class Reading:
         nat += np.sum(log_ndtr(mine[:, :_DRIVEN] / stds) + np.log(2.0))
         mass = len(self.sizes) - PER_LINK
         sure = theta[mass] / np.sqrt(C[mass, mass])
-        return Evidence(
+        return ReadingEvidence(
             float(nat), 1.0 + gains * mine[:, -1], _UNKNOWN * theta[len(self.sizes):],
             float(theta[mass] * self.sizes[mass]), float(log_ndtr(-sure) - log_ndtr(sure)))

@@ -8,7 +8,7 @@ from typing import Mapping, NamedTuple, Sequence
 
 from . import experiment, sensors, signs_and_axes, stamps
 from .check import Check, of_families, Test
-from .evidence import Evidence
+from .quantities import Quantities
 from ..observe.signals import check_signals, Recording
 from ...physics import EFFECTS
 from ...plant.plant_parameters import PlantParameters
@@ -101,7 +101,7 @@ def check(
 ) -> tuple[list[Check], Recording]:
     """Check one recording, fitted `alone` or not; return what is to be fitted, corrected."""
     check_signals(recording.signals)
-    evidence = Evidence(recording.signals, model, recording)
+    quantities = Quantities(recording.signals, model, recording)
     checks: list[Check] = []
     for name, test in CHECKS.items():
         missing = [one for one in checks
@@ -113,14 +113,14 @@ def check(
         if test.alone and not alone:
             checks.append(Check(name, True, 'not tested on several recordings', tested=False))
             continue
-        found = test.find(evidence)
+        found = test.find(quantities)
         fatal = found.fatal and not found.ok
         causes = frozenset(EFFECTS) if fatal else test.could_cause
         checks.append(Check(name, found.ok, found.text, fatal,
                             frozenset() if found.ok else causes))
         if not found.ok and not fatal and test.put_right is not None:
             recording = replace(recording, signals=test.put_right(recording.signals))
-            evidence = Evidence(recording.signals, model, recording)
+            quantities = Quantities(recording.signals, model, recording)
     return checks, recording
 
 

@@ -39,7 +39,7 @@ class Finding(NamedTuple):
 class Test:
     """A test for one kind of wrong use."""
 
-    find: Callable[[Any], Finding]  # from the `Evidence` of a recording to the finding
+    find: Callable[[Any], Finding]  # from the `Quantities` of a recording to the finding
     after: tuple[str, ...] = ()  # checks that must have passed: else this one has no meaning
     # effects for which a failure that is not fatal would be mistaken
     could_cause: frozenset[str] = frozenset()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import medfilt
 
 from .check import Finding, LISTED, WORTH_A_NAME
-from .evidence import Evidence
+from .quantities import Quantities
 from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import Signals
 from ..observe.smoothing import quantisation_step
@@ -20,9 +20,9 @@ from ...signals.stream_faults import courses_of, TARE_DUE, zero_steps as steps_o
 _RUN = 5  # samples: their median ignores two that jump; noise does not repeat a value so often
 
 
-def two_sources(evidence: Evidence) -> Finding:
+def two_sources(quantities: Quantities) -> Finding:
     """Find a force or a position that alternates between two signals."""
-    s = evidence.whole
+    s = quantities.whole
     for signal, topic, unit, values in (('force', 'wrench', 'N', s.force),
                                         ('position', 'joint_states', 'm', s.position)):
         found = courses_of(values, LITTLE * float(np.ptp(values)))
@@ -31,9 +31,9 @@ def two_sources(evidence: Evidence) -> Finding:
     return Finding(True, 'force and position have one course each')
 
 
-def spikes(evidence: Evidence) -> Finding:
+def spikes(quantities: Quantities) -> Finding:
     """Find positions that jump away and back within two samples."""
-    s = evidence.whole
+    s = quantities.whole
     found = jumps(s.position)
     if not found.any():
         return Finding(True, 'no position jumps away and back')
@@ -65,18 +65,18 @@ def without_spikes(signals: Signals) -> Signals:
     return signals._replace(joint_t=signals.joint_t[kept], position=signals.position[kept])
 
 
-def zero_steps(evidence: Evidence) -> Finding:
+def zero_steps(quantities: Quantities) -> Finding:
     """
     Find steps of the force in free flight, at once or from before a contact to after it.
 
     A drift is none: it is as fast in free flight.
     """
-    onset, s = evidence.onset, evidence.whole
-    if not evidence.model.environment.unilateral or onset is None:
+    onset, s = quantities.onset, quantities.whole
+    if not quantities.model.environment.unilateral or onset is None:
         return Finding(True, 'no free flight')
     x = np.interp(s.wrench_t, s.joint_t, s.position)
     free = x < onset.position - MUCH * (onset.position - float(np.min(x)))
-    least = max(evidence.force_noise, WORTH_A_NAME / TARE_DUE * float(np.ptp(s.force)))
+    least = max(quantities.force_noise, WORTH_A_NAME / TARE_DUE * float(np.ptp(s.force)))
     steps = steps_of(s.wrench_t[free], s.force[free], least)
     if not steps:
         return Finding(True, 'the zero of the force sensor does not step')
@@ -87,9 +87,9 @@ def zero_steps(evidence: Evidence) -> Finding:
                           'or cut the recording there')
 
 
-def force_clipping(evidence: Evidence) -> Finding:
+def force_clipping(quantities: Quantities) -> Finding:
     """Find a force that stays at exactly its extreme value, again and again, in motion."""
-    for part in evidence.parts:
+    for part in quantities.parts:
         x = np.interp(part.wrench_t, part.joint_t, part.position)
         for limit in (float(np.min(part.force)), float(np.max(part.force))):
             if abs(limit) < MUCH * float(np.ptp(part.force)):  # free flight
@@ -110,18 +110,18 @@ def _moving_runs(flat: NDArray[np.bool_], x: Array) -> int:
                and float(np.ptp(x[first:stop])) > least for first, stop in stretches(flat))
 
 
-def quantisation(evidence: Evidence) -> Finding:
+def quantisation(quantities: Quantities) -> Finding:
     """Find positions rounded more coarsely than their noise and than the depth deserves."""
-    step = quantisation_step(evidence.whole.position)
-    depth = float(np.ptp(evidence.smooth.x))
-    if evidence.model.environment.unilateral and evidence.onset is not None:
-        depth = evidence.onset.depth
+    step = quantisation_step(quantities.whole.position)
+    depth = float(np.ptp(quantities.smooth.x))
+    if quantities.model.environment.unilateral and quantities.onset is not None:
+        depth = quantities.onset.depth
     if step == 0.0:
         return Finding(True, 'positions are not rounded')
     text = f'positions are rounded to {step:.3g} m, {100.0 * step / max(depth, step):.2g} % of ' \
            'the depth'
     coarse = 0.5 * WORTH_A_NAME  # two roundings, of place and surface, are worth a name
-    if step < coarse * depth or step / sqrt(12.0) < evidence.position_noise:
+    if step < coarse * depth or step / sqrt(12.0) < quantities.position_noise:
         return Finding(True, text)
     return Finding(False, f'{text}, expected less than {100.0 * coarse:g} %: the rounding is '
                           'treated as noise, and no effect of such a size is named; record more '

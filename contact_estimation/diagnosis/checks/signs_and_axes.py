@@ -9,29 +9,29 @@ from typing import Mapping
 import numpy as np
 
 from .check import Finding, FOLLOWS, UNRELATED, WORTH_A_NAME
-from .evidence import Evidence
+from .quantities import Quantities
 from ..observe.shares import LITTLE, MUCH
 from ..observe.signals import Signals
 from ...signals.stream_faults import CLEAR
 
 
-def wrench_axes(evidence: Evidence) -> Finding:
+def wrench_axes(quantities: Quantities) -> Finding:
     """Find a wrench of an arm in other axes than configured, by the weight of the tool."""
-    found = evidence.recording.foreign_axes
+    found = quantities.recording.foreign_axes
     return Finding(not found, found or 'no weight turns with other axes than configured')
 
 
-def force_sign(evidence: Evidence) -> Finding:
+def force_sign(quantities: Quantities) -> Finding:
     """Find a force that does not oppose the motion."""
     # A wall pushes back where x is largest; a permanently attached specimen takes up energy.
-    if not evidence.model.environment.unilateral:
-        return _of_specimen(evidence)
-    low, high = evidence.sides_beyond_zero
-    if evidence.with_reference and max(  # it may be that of another axis
-            abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH:
+    if not quantities.model.environment.unilateral:
+        return _of_specimen(quantities)
+    low, high = quantities.sides_beyond_zero
+    if quantities.with_reference and max(  # it may be that of another axis
+            abs(quantities.of_wall.slope), abs(quantities.of_robot.slope)) < MUCH:
         return Finding(True, 'the force is too small to have a sign')
     far, near = sorted((low, high), key=abs, reverse=True)
-    if far < evidence.clear_force or not _is_at_one_end(far, near):
+    if far < quantities.clear_force or not _is_at_one_end(far, near):
         return Finding(True, f'F_e is {high:.3g} N at the largest x; it must be < 0 while '
                              'pressing')
     return Finding(False, f'F_e is {far:.3g} N while pressing, expected < 0: the force of the '
@@ -43,8 +43,8 @@ def _is_at_one_end(far: float, near: float) -> bool:
     return abs(near) <= MUCH * abs(far)
 
 
-def _of_specimen(evidence: Evidence) -> Finding:
-    s, against = evidence.smooth, evidence.of_wall.correlation
+def _of_specimen(quantities: Quantities) -> Finding:
+    s, against = quantities.smooth, quantities.of_wall.correlation
     power = -s.force * s.v
     work = float(np.sum(power)) / max(float(np.sum(np.abs(power))), 1e-300)
     text = f'the specimen takes up {100.0 * work:.0f} % of the work exchanged'
@@ -59,52 +59,52 @@ def inverted(signals: Signals) -> Signals:
     return signals._replace(force=-signals.force)
 
 
-def position_sign(evidence: Evidence) -> Finding:
+def position_sign(quantities: Quantities) -> Finding:
     """Find a position that decreases into the wall, or against its reference."""
     change = ('; change the sign of the recorded position, or let the contact axis point into '
               'the wall')
-    if evidence.with_reference and evidence.followed.correlation < -FOLLOWS:
-        return Finding(False, f'x moves {evidence.followed.slope:.3g} times as x_r in free '
+    if quantities.with_reference and quantities.followed.correlation < -FOLLOWS:
+        return Finding(False, f'x moves {quantities.followed.slope:.3g} times as x_r in free '
                               f'flight, expected 1{change}')
-    if not evidence.model.environment.unilateral:
+    if not quantities.model.environment.unilateral:
         return Finding(True, 'a permanently attached specimen has no side')
-    low, high = evidence.sides_beyond_zero
-    if abs(low) < evidence.clear_force or not _is_at_one_end(low, high):
+    low, high = quantities.sides_beyond_zero
+    if abs(low) < quantities.clear_force or not _is_at_one_end(low, high):
         return Finding(True, f'the force is {high:.3g} N at the largest x, {low:.3g} N at the '
                              'smallest')
-    if _is_at_one_end(float(np.ptp(evidence.smooth.force)), low):
+    if _is_at_one_end(float(np.ptp(quantities.smooth.force)), low):
         change = ', which has more force in between; cut the recording where the specimen breaks'
     return Finding(False, f'the force is {low:.3g} N at the smallest x and {high:.3g} N at the '
                           f'largest, expected the contact at large x{change}')
 
 
-def axis(evidence: Evidence) -> Finding:
+def axis(quantities: Quantities) -> Finding:
     """Find a force that is not that of the contact axis."""
     # The motion shows a contact that the force hardly shows. A force that follows no line, but is
     # the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as
     # a dome that buckles.
-    if not evidence.model.environment.unilateral:
+    if not quantities.model.environment.unilateral:
         return Finding(True, f'correlation of force and nominal force '
-                             f'{evidence.of_wall.correlation:.2f}')
-    wall, robot = evidence.of_wall, None
+                             f'{quantities.of_wall.correlation:.2f}')
+    wall, robot = quantities.of_wall, None
     text = f'the force is {wall.slope:.2g} times that of the nominal wall'
-    varies, expected = evidence.deviations
-    if evidence.with_reference:
-        robot = evidence.of_robot
+    varies, expected = quantities.deviations
+    if quantities.with_reference:
+        robot = quantities.of_robot
         text += f' and {robot.slope:.2g} times what the robot felt'
-        expected = min(expected, float(np.std(evidence.implied_force)))
+        expected = min(expected, float(np.std(quantities.implied_force)))
     text += f' (correlation {wall.correlation:.2f})'
     lines = [wall] if robot is None else [wall, robot]
     least = LITTLE if robot is None else MUCH  # without a robot the wall may be too stiff
     small = all(abs(line.slope) < least for line in lines)
     # Metal that yields follows no line either, but presses where it is deepest.
     if robot is None and varies > least * expected:
-        small &= _is_at_one_end(float(np.ptp(evidence.smooth.force)), evidence.sides[1])
+        small &= _is_at_one_end(float(np.ptp(quantities.smooth.force)), quantities.sides[1])
     no_line = all(abs(line.correlation) < UNRELATED for line in lines)
     unrelated = robot is not None and no_line
-    if robot is None and no_line and evidence.repeats > FOLLOWS:
+    if robot is None and no_line and quantities.repeats > FOLLOWS:
         return Finding(True, f'{text}, the same on the ways in and out')
-    if expected < CLEAR * evidence.force_noise or not (small or unrelated):
+    if expected < CLEAR * quantities.force_noise or not (small or unrelated):
         return Finding(True, text)
     return Finding(False, f'{text}, expected about 1: this seems to be another axis of the '
                           'sensor, or one that is not connected; choose --axis, check '
@@ -128,36 +128,36 @@ _FEW, _PREFIX = log(3.0), log(1e3)  # what nominal models are wrong by; kilo or 
 _ADDED = log(1.75)
 
 
-def length_unit(evidence: Evidence) -> Finding:
+def length_unit(quantities: Quantities) -> Finding:
     """Find positions, a reference or both that are not in metres."""
-    travel = float(np.ptp(evidence.smooth.x))
-    if evidence.with_reference and evidence.followed.correlation > FOLLOWS:
-        ratio = evidence.followed.slope
+    travel = float(np.ptp(quantities.smooth.x))
+    if quantities.with_reference and quantities.followed.correlation > FOLLOWS:
+        ratio = quantities.followed.slope
         for name, factor in (('position', ratio), ('reference_trajectory', 1.0 / ratio)):
             unit = _nearest(factor, _LENGTHS)
             if unit is not None:
                 return Finding(False, f'in free flight x moves {ratio:.3g} times as x_r, expected '
                                       f'1: {name} seems to be in {unit}; record metres')
     # The model predicts so much more force.
-    unit = _mistaken(evidence, {name: 1.0 / ratio for name, ratio in _LENGTHS.items()})
+    unit = _mistaken(quantities, {name: 1.0 / ratio for name, ratio in _LENGTHS.items()})
     if unit is None or (unit == 'mm' and travel < _LONG_TRAVEL):
         return Finding(True, f'x travels {travel:.3g} m')
-    share = evidence.of_wall.slope
+    share = quantities.of_wall.slope
     return Finding(False, f'x travels {travel:.3g} m, and the force is {share:.2g} times what the '
                           'nominal model predicts, expected about 1: the lengths seem to be in '
                           f'{unit}; record metres, or name the units of a table by --units')
 
 
-def force_unit(evidence: Evidence) -> Finding:
+def force_unit(quantities: Quantities) -> Finding:
     """Find a force that is not in newtons."""
     # With a robot the force must be wrong by the same factor against the nominal wall and against
     # the nominal robot's equation of motion, which does not know the wall.
-    text = f'the force is {evidence.of_wall.slope:.3g} times that of the nominal wall'
-    if evidence.with_reference:
-        text += f', {evidence.of_robot.slope:.3g} times what the robot felt'
-    unit = _mistaken(evidence, _FORCES)
+    text = f'the force is {quantities.of_wall.slope:.3g} times that of the nominal wall'
+    if quantities.with_reference:
+        text += f', {quantities.of_robot.slope:.3g} times what the robot felt'
+    unit = _mistaken(quantities, _FORCES)
     if unit is None:
-        return _of_magnitude(evidence, text)
+        return _of_magnitude(quantities, text)
     other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
              'lbf': ' (or on another axis, or its gain is wrong)',
              'mN': ' (or in nN and positions in um, or in pN and nm)'}.get(unit, '')
@@ -165,9 +165,9 @@ def force_unit(evidence: Evidence) -> Finding:
                           'newtons, or name the units of a table by --units')
 
 
-def _of_magnitude(evidence: Evidence, text: str) -> Finding:
+def _of_magnitude(quantities: Quantities, text: str) -> Finding:
     """Find a force that no unit explains."""
-    force, expected = evidence.deviations
+    force, expected = quantities.deviations
     possible = _PREFIX + 2.0 * _FEW  # a unit, and what force and model are wrong by
     if not expected or not force or abs(log(force / expected)) < possible:
         return Finding(True, text)
@@ -176,13 +176,13 @@ def _of_magnitude(evidence: Evidence, text: str) -> Finding:
                           'much; check that topics, joint, axis and model file belong together')
 
 
-def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
+def _mistaken(quantities: Quantities, units: Mapping[str, float]) -> str | None:
     """Return the unit whose ratio the force has to those of nominal wall and robot."""
     # A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the
     # second, which what is missing lowers. Without a robot only a factor of a thousand is a unit.
-    wall, robot = evidence.of_wall, evidence.of_robot if evidence.with_reference else None
+    wall, robot = quantities.of_wall, quantities.of_robot if quantities.with_reference else None
     if robot is None:
-        force, expected = evidence.deviations
+        force, expected = quantities.deviations
         follows = abs(wall.correlation) >= FOLLOWS
         ratio = wall.slope if follows else force / expected if expected else 0.0
         unit = _nearest(ratio, units)

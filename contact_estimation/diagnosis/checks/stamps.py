@@ -9,7 +9,7 @@ from typing import Sequence
 import numpy as np
 
 from .check import Check, Finding, FOLLOWS
-from .evidence import Evidence
+from .quantities import Quantities
 from ..observe.parts import spans_of
 from ..observe.shares import LITTLE, MOST, MUCH, SLIGHT
 from ..observe.signals import LEAST_SAMPLES
@@ -22,19 +22,19 @@ _SAMPLES, _AHEAD_S = 3.0, 0.005  # least shifts: in samples; of a reference, a c
 _STRIDE = 10  # steps over which recorded rates are compared with differences of positions
 
 
-def complete_file(evidence: Evidence) -> Finding:
+def complete_file(quantities: Quantities) -> Finding:
     """Find what of the file is damaged or left out."""
-    damage = evidence.recording.damage
+    damage = quantities.recording.damage
     if not damage:
         return Finding(True, 'the file could be read as a whole')
-    last = float(evidence.whole.wrench_t[-1])
+    last = float(quantities.whole.wrench_t[-1])
     return Finding(False, f'{damage}; what was read lasts {last:.6g} s, and the rest is not '
                           'diagnosed', fatal=False)
 
 
-def stamp_order(evidence: Evidence) -> Finding:
+def stamp_order(quantities: Quantities) -> Finding:
     """Find a clock that was set back: two stretches then lie over one another."""
-    back = evidence.recording.stamps_back_s
+    back = quantities.recording.stamps_back_s
     if back <= _BACK_S:
         return Finding(True, f'stamps jump back by {back:.3g} s at most')
     return Finding(False, f'stamps of wrench or joint_states jump back by {back:.3g} s, expected '
@@ -42,26 +42,26 @@ def stamp_order(evidence: Evidence) -> Finding:
                           'joined; cut the recording there')
 
 
-def stamp_bursts(evidence: Evidence) -> Finding:
+def stamp_bursts(quantities: Quantities) -> Finding:
     """Find wrenches whose stamps tell when a buffer was read, not when the force was measured."""
-    bursts = bursts_of(evidence.whole.wrench_t)
+    bursts = bursts_of(quantities.whole.wrench_t)
     if bursts is None:
         return Finding(True, 'stamps of the wrench come one by one')
     return Finding(False, bursts.text)
 
 
-def sampling_rate(evidence: Evidence) -> Finding:
+def sampling_rate(quantities: Quantities) -> Finding:
     """Find sampling too slow for the oscillation of robot or mass and wall, or in another unit."""
-    rate, angular = 1.0 / evidence.period, _natural_frequency(evidence)
-    if angular is None or not evidence.overlap.enough:
+    rate, angular = 1.0 / quantities.period, _natural_frequency(quantities)
+    if angular is None or not quantities.overlap.enough:
         return Finding(True, f'{rate:.3g} Hz')
     text = f'{rate:.3g} Hz for an oscillation of wall and mass at {angular / (2.0 * pi):.3g} Hz'
-    unlike = _rates_over_stamps(evidence)
+    unlike = _rates_over_stamps(quantities)
     if unlike is not None:
         return Finding(False, f'{text}; x_r moves {1.0 / unlike:.3g} times as fast as its '
                               'recorded rates, expected 1: stamps or rates have another unit, '
                               'or another clock; record seconds')
-    turn = angular * evidence.period  # [rad] of the oscillation, a sample
+    turn = angular * quantities.period  # [rad] of the oscillation, a sample
     if turn > 2.0 * pi:
         return Finding(False, f'{text}: nothing of it can be seen; check the unit of the stamps, '
                               'or record at a higher rate')
@@ -71,9 +71,9 @@ def sampling_rate(evidence: Evidence) -> Finding:
                           'record at a higher rate. No fast dynamics are named', fatal=False)
 
 
-def _rates_over_stamps(evidence: Evidence) -> float | None:
+def _rates_over_stamps(quantities: Quantities) -> float | None:
     """Return the ratio of recorded rates to differences of the reference if it is not 1."""
-    t, (x, v, _, _) = evidence.whole.reference_t, evidence.whole.reference
+    t, (x, v, _, _) = quantities.whole.reference_t, quantities.whole.reference
     if len(t) <= _STRIDE:
         return None
     travel = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
@@ -88,39 +88,39 @@ def _rates_over_stamps(evidence: Evidence) -> float | None:
     return float(usual) if unlike and high - low < LITTLE * usual else None
 
 
-def _natural_frequency(evidence: Evidence) -> float | None:
+def _natural_frequency(quantities: Quantities) -> float | None:
     """Return the natural frequency of the nominal contact [rad/s]."""
-    wall, robot = evidence.model.environment, evidence.model.robot
-    if evidence.with_reference:
+    wall, robot = quantities.model.environment, quantities.model.robot
+    if quantities.with_reference:
         return sqrt(max(wall.stiffness + robot.stiffness, 0.0) / robot.mass)
     if not wall.unilateral and wall.inertia > 0.0:
         return sqrt(max(wall.stiffness, 0.0) / wall.inertia)
     return None
 
 
-def clock_offset(evidence: Evidence) -> Finding:
+def clock_offset(quantities: Quantities) -> Finding:
     """Find topics that do not overlap, or a force that no sensor can measure so early or late."""
-    overlap = evidence.overlap
+    overlap = quantities.overlap
     if not overlap.enough:
         return Finding(False, f'{overlap.text}: expected the same time, got '
                               f'{overlap.seconds:.3g} s in common; stamp all topics by one '
                               'clock, in one unit, or take the time of reception with --stamps '
                               'received')
-    if not evidence.model.environment.unilateral:
+    if not quantities.model.environment.unilateral:
         return Finding(True, overlap.text)
-    lag = evidence.lag
+    lag = quantities.lag
     text = f'the force fits the motion best when shifted by {1e3 * lag.seconds:.0f} ms'
     off = lag.seconds > _LATE_S or lag.seconds < -_EARLY_S
     # Dissipation is ahead of the motion too, but a shift leaves most of its variance.
     explains = 1.0 - lag.correlation**2 < MOST * (1.0 - lag.unshifted**2)
     # A damped contact is ahead of its spring, but not of what the robot felt.
-    felt = evidence.with_reference and evidence.of_robot.correlation > lag.correlation
+    felt = quantities.with_reference and quantities.of_robot.correlation > lag.correlation
     # What is held back as it leaves is ahead as well; a robot would have felt that.
-    held = evidence.pulls and not evidence.with_reference
-    resolved = abs(lag.seconds) > _SAMPLES * evidence.period
+    held = quantities.pulls and not quantities.with_reference
+    resolved = abs(lag.seconds) > _SAMPLES * quantities.period
     # What yields is ahead of its spring, but peaks with it.
     shifted = off and MOST * abs(lag.seconds) > abs(
-        evidence.peaks_apart(abs(lag.seconds)) - lag.seconds)
+        quantities.peaks_apart(abs(lag.seconds)) - lag.seconds)
     if (shifted and explains and not felt and not held and resolved and lag.correlation > FOLLOWS):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')
@@ -154,13 +154,13 @@ def with_offset(
             if one.name == 'clock_offset' else one for one in checks]
 
 
-def reference_clock(evidence: Evidence) -> Finding:
+def reference_clock(quantities: Quantities) -> Finding:
     """Find a reference that is stamped later than the robot follows it."""
-    if not evidence.with_reference:
+    if not quantities.with_reference:
         return Finding(True, 'no reference_trajectory')
-    early = evidence.ahead_of_reference
+    early = quantities.ahead_of_reference
     text = f'the motion fits the reference best {1e3 * early.seconds:.0f} ms ahead of it'
-    least = max(_AHEAD_S, _SAMPLES * evidence.period)
+    least = max(_AHEAD_S, _SAMPLES * quantities.period)
     if early.seconds <= least or early.left >= MUCH:
         return Finding(True, text)
     return Finding(False, f'{text}, expected 0 or later: no robot moves before its command; '
@@ -168,9 +168,9 @@ def reference_clock(evidence: Evidence) -> Finding:
                           'instant from which the robot follows it')
 
 
-def common_time(evidence: Evidence) -> Finding:
+def common_time(quantities: Quantities) -> Finding:
     """Find a topic that begins late or ends early: much of the others has no counterpart."""
-    overlap = evidence.overlap
+    overlap = quantities.overlap
     spans = (overlap.spans[name] for name in ('wrench', 'joint_states'))
     longest = max(end - begin for begin, end in spans)
     if overlap.seconds >= (1.0 - MUCH) * longest:
@@ -180,9 +180,9 @@ def common_time(evidence: Evidence) -> Finding:
                           'begin to end', fatal=False)
 
 
-def gaps(evidence: Evidence) -> Finding:
+def gaps(quantities: Quantities) -> Finding:
     """Find pauses of wrench or joint states."""
-    spans = spans_of(evidence.whole)
+    spans = spans_of(quantities.whole)
     pauses = [(end, begin) for (_, end), (begin, _) in zip(spans[:-1], spans[1:])]
     if not pauses:
         return Finding(True, 'no pause')

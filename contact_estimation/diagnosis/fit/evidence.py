@@ -56,7 +56,7 @@ NOISE_IS_KNOWN = 1.2
 _BY_PRIOR = (*ZEROS, *(name for name in EFFECTS if name not in ZEROS))
 
 
-class Named(Protocol):
+class HasName(Protocol):
     """What adds one effect to a model."""
 
     @property
@@ -65,7 +65,7 @@ class Named(Protocol):
 
 
 Item = TypeVar('Item')
-Law = TypeVar('Law', bound=Named)
+Law = TypeVar('Law', bound=HasName)
 
 
 def prior(name: str) -> tuple[int, int]:

@@ -40,7 +40,7 @@ Without = Callable[[Scored, Sequence[str]], 'Scored | None']
 """Returns a model without some of its effects; None where that is not known."""
 
 
-class Part(NamedTuple):
+class Contribution(NamedTuple):
     """What a name takes away."""
 
     gain: Array  # (P,) of the misfit on each part [N^2]
@@ -54,7 +54,7 @@ class Part(NamedTuple):
 
 
 def name(compared: Compared, seed: int, without: Without) -> Named:
-    """Name the families that are likely, and worth a name; see `likely` and `Part`."""
+    """Name the families that are likely, and worth a name; see `likely` and `Contribution`."""
     return _worth(compared, likely(compared, seed), without)
 
 
@@ -169,7 +169,7 @@ def _dropped(
     return None if model is None else named._replace(model=model, names=kept)
 
 
-def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
+def parts(compared: Compared, named: Named, without: Without) -> dict[str, Contribution]:
     """
     Divide what is explained among the names: first among zeros, and the rest among laws.
 
@@ -185,7 +185,7 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
         dropped = [one for one in names if one not in kept]
         return _known(compared, named.model, [*dropped, *(() if kept else unnamed)], without)
 
-    found, kept, floor = dict[str, Part](), list[str](), evidence.base
+    found, kept, floor = dict[str, Contribution](), list[str](), evidence.base
     for group in ([one for one in names if one in ZEROS],
                   [one for one in names if one not in ZEROS]):
         models, best = dict[frozenset[str], Scored](), dict[frozenset[str], Scored]()
@@ -204,8 +204,9 @@ def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]
             gain, last = _value(evidence, best, one), taken(evidence, rest, named.model)
             if share_of(evidence, gain).share < evidence.constants.worth:
                 gain = max(gain, last, key=np.sum)
-            found[one] = Part(gain, share_of(evidence, gain), share_of(evidence, last),
-                              models[frozenset(group) - {one}], models[frozenset(group)])
+            found[one] = Contribution(
+                gain, share_of(evidence, gain), share_of(evidence, last),
+                models[frozenset(group) - {one}], models[frozenset(group)])
         kept, floor = kept + group, best[frozenset(group)]
     return found
 

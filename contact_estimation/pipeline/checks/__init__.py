@@ -9,11 +9,11 @@ messages. Both stand in the order of importance: the first active one is the hea
 
 """
 
-from .check import Check, Evidence, Forces, Warned
+from .check import Check, Forces, Warned, Window
 from .input_checks import CHECKS, InputChecks
 from .rejections import lag_in_words, Rejection, REJECTIONS, Rejections
 
 __all__ = [
-    'Check', 'CHECKS', 'Evidence', 'Forces', 'InputChecks', 'lag_in_words', 'Rejection',
+    'Check', 'CHECKS', 'Forces', 'InputChecks', 'lag_in_words', 'Rejection', 'Window',
     'REJECTIONS', 'Rejections', 'Warned',
 ]

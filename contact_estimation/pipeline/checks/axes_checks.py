@@ -8,7 +8,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from .check import Array, Check, Evidence, median_of
+from .check import Array, Check, median_of, Window
 from ..parameters import EstimationParameters
 from ...kinematics.parameters import AXES, JOINT_EFFORTS
 from ...kinematics.tool_load import STANDARD_GRAVITY
@@ -55,7 +55,7 @@ class WrenchAxes(Check):
     remedy = 'Set `force_sensor.axes` to the value given, start again, and calibrate the tool.'
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare how well a weight explains the force in either axes."""
         return foreign_axes(seen.loads, seen.noise, seen.parameters)
 

@@ -148,7 +148,7 @@ class AxisState(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Evidence:
+class Window:
     """The last seconds of one axis."""
 
     axis: str  # its name
@@ -176,7 +176,7 @@ class Evidence:
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_state(cls, axis: str, parameters: EstimationParameters, state: AxisState) -> 'Evidence':
+    def of_state(cls, axis: str, parameters: EstimationParameters, state: AxisState) -> 'Window':
         """Return evidence without samples, for checks of the state of a pipeline."""
         return cls(axis, parameters, state, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
                    np.zeros(0, dtype=np.bool_))
@@ -336,10 +336,10 @@ class Check(ABC):
     confirmations: ClassVar[int] = 1  # judgements in a row that find it before it is reported
     # what takes long of a judgement, each done after a sample of its own, before `judge`; they
     # keep what they find in the evidence
-    stages: ClassVar[tuple[Callable[[Evidence], object], ...]] = ()
+    stages: ClassVar[tuple[Callable[[Window], object], ...]] = ()
 
     @abstractmethod
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """
         Return the text of the warning.
 

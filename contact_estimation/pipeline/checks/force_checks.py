@@ -6,8 +6,8 @@
 import numpy as np
 
 from .check import (
-    Array, Check, Evidence, extremes, Forces, LOADED, loaded_correlation, median_of, millimetres,
-    spread_of)
+    Array, Check, extremes, Forces, LOADED, loaded_correlation, median_of, millimetres, spread_of,
+    Window)
 from ...kinematics.parameters import JOINT_EFFORTS, TRACKED
 from ...signals.stream_faults import CLEAR, TARE_DUE
 
@@ -36,7 +36,7 @@ class ForceSign(Check):
     invalidates = True
     needs_axes = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Look for a one-sided force with the wrong slope, or on the wrong side."""
         slope = _slope_by_least_force(seen) or seen.slope_sign
         if seen.spread < CLEAR * seen.noise or abs(seen.slope_sign) < _RELATED:
@@ -60,7 +60,7 @@ class ForceSign(Check):
         return None
 
     @staticmethod
-    def _pulled(high: float, seen: Evidence) -> str:
+    def _pulled(high: float, seen: Window) -> str:
         remedy = ('reverse contact.normal' if seen.is_arm else 'change the sign of the position '
                   f'and set force_sign to {-seen.parameters.force_sign:g}')
         return (f'the tool is pulled with {high:.3g} N where x is smallest, as by a wall on that '
@@ -77,7 +77,7 @@ class ForceStill(Check):
     remedy = 'Start the driver of the force sensor again.'
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Look for a load without any noise beside a motion."""
         moved = spread_of(seen.x) if len(seen.x) else 0.0
         if len(seen.x) < _LEAST_FREE or moved <= CLEAR * seen.position_noise:
@@ -103,7 +103,7 @@ class OtherAxis(Check):
     invalidates = True
     needs_axes = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the other components with that of the contact axis."""
         if seen.spread > CLEAR * seen.noise and seen.contact.any():
             return ''
@@ -121,7 +121,7 @@ class OtherAxis(Check):
         return None
 
     @staticmethod
-    def _follows(other: Forces, seen: Evidence) -> bool:
+    def _follows(other: Forces, seen: Window) -> bool:
         if len(other.force) < len(seen.x) // 2 or not len(other.force):
             return False
         size = spread_of(other.force)
@@ -143,7 +143,7 @@ class ForceDirection(Check):
     remedy = 'Correct `contact.normal`, `contact.normal_frame` or the frame of the sensor.'
     needs_axes = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the force along the wall that follows the motion with that along the normal."""
         if not seen.is_arm or not seen.contact.any() or seen.spread < CLEAR * seen.noise:
             return None
@@ -168,7 +168,7 @@ class ForceNoise(Check):
     remedy = 'Check sensor, cable and shield; then correct `contact.force_noise`.'
     of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Compare the noise with the configured one."""
         noise, ratio = seen.state.noise_std, seen.state.noise_std / seen.configured_noise
         if ratio < _NOISY:
@@ -189,7 +189,7 @@ class ForceBias(Check):
               '`force_sensor.zero: tracked` (`--tare tracked`).')
     needs_axes = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""
         free = seen.free
         if free.sum() < _LEAST_FREE or seen.state.neither:
@@ -207,7 +207,7 @@ class ForceBias(Check):
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'
 
 
-def _slope_by_least_force(seen: Evidence) -> float:
+def _slope_by_least_force(seen: Window) -> float:
     """
     Return the sign of force over x by the place of the least force so far; 0 if on both sides.
 
@@ -231,14 +231,14 @@ def _slope_by_least_force(seen: Evidence) -> float:
     return side * float(np.sign(median_of(seen.force[loaded])))
 
 
-def _level_outside(seen: Evidence) -> float:
+def _level_outside(seen: Window) -> float:
     """Return the steady force before the wall, such as a weight left by a wrong sign, or 0 [N]."""
     force = seen.force[seen.x < seen.location - seen.state.margin]
     steady = len(force) >= _LEAST_FREE and spread_of(force) < CLEAR * seen.noise
     return median_of(force) if steady else 0.0
 
 
-def _unless_weight(seen: Evidence) -> str:
+def _unless_weight(seen: Window) -> str:
     """Return what else a force that follows the motion of an arm may be, '' without an arm."""
     if seen.parameters.wrench_source == JOINT_EFFORTS:
         return f'; or, in free flight, {_DESCRIBE}'
@@ -247,7 +247,7 @@ def _unless_weight(seen: Evidence) -> str:
     return '; or, in free flight, run calibrate_tool: it is the weight of the tool, as it turns'
 
 
-def _level(force: Array, seen: Evidence) -> tuple[float, float]:
+def _level(force: Array, seen: Window) -> tuple[float, float]:
     """
     Return the middle of a force without contact, and its noise, at least as configured [N].
 
@@ -272,7 +272,7 @@ class Surface(Check):
               '`~/set_location` while touching.')
     of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Return what the contact has shown."""
         return seen.state.surface_text
 
@@ -286,7 +286,7 @@ class SurfaceShifted(Check):
     remedy = 'Set `environment.location` to the value given.'
     of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Return the shift that the contact has shown."""
         shift = seen.state.shift
         environment = seen.parameters.of_axis(seen.axis).environment
@@ -308,7 +308,7 @@ class SurfaceUnchecked(Check):
     of_state = True
     confirmations = 2  # just after a touch the motion has had no time to show it
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Return what the present contact has not shown."""
         if not seen.state.contact:
             return ''
@@ -327,6 +327,6 @@ class ModelMismatch(Check):
     remedy = 'Run `diagnose` on a recording; compensate what it names by `physics.*`.'
     of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Return the judgement of the monitor."""
         return seen.state.misfit

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .axes_checks import WrenchAxes
-from .check import Array, AxisState, BLOCKS, Check, Evidence, Warned
-from .evidence_window import EvidenceWindow, FREE
+from .check import Array, AxisState, BLOCKS, Check, Warned, Window
 from .force_checks import (
     ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill, ModelMismatch, OtherAxis,
     Surface, SurfaceShifted, SurfaceUnchecked)
@@ -20,6 +19,7 @@ from .lag_checks import StampSkew
 from .stream_checks import (
     JointStill, JointUnits, JointVelocity, PositionUnit, SampleRate, StampBursts, TwoForces,
     TwoPositions, ZeroSteps)
+from .windows import FREE, Windows
 from ..parameters import EstimationParameters
 from ...estimators.estimate import AxesEstimates, Estimate
 from ...signals.contact_sample import AxesSample
@@ -66,9 +66,9 @@ class InputChecks:
         self, parameters: EstimationParameters, pipelines: Mapping[str, Any]
     ) -> None:
         self._p, self._pipelines = parameters, pipelines
-        self._window = EvidenceWindow(pipelines)
-        self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
-        self.loads = self._window.loads
+        self._windows = Windows(pipelines)
+        self.joint_stamps, self.wrenches = self._windows.joint_stamps, self._windows.wrenches
+        self.loads = self._windows.loads
         self.joints: Sequence[float] = ()
         self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
@@ -76,7 +76,7 @@ class InputChecks:
     def reset(self) -> None:
         """Forget all evidence and all warnings."""
         self.found: dict[tuple[str, str], Found] = {}
-        self._window.reset()
+        self._windows.reset()
         self._clear()
 
     def _clear(self) -> None:
@@ -87,10 +87,10 @@ class InputChecks:
 
     def restart(self) -> None:
         """Start a new window, as after a clock jump; warnings stay."""
-        self._window.restart(self._p.sample_rate)
+        self._windows.restart(self._p.sample_rate)
         # One after each sample: all at once would take longer than its period.
         self._waiting: deque[Callable[[], object]] = deque()
-        self.due = self._window.block
+        self.due = self._windows.block
         self._stamp_ns = 0  # of the evidence
         self._quiet = self._blocks = 0  # judgements that found nothing, blocks since the last one
 
@@ -104,7 +104,7 @@ class InputChecks:
 
     def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
         """Add a sample; judge the next check that waits, or begin with a complete block."""
-        samples = self._window.samples
+        samples = self._windows.samples
         for pending, sample, estimate in zip(samples, axes, estimates):
             pending.numbers.extend((*sample, estimate[7] is not FREE))
         if len(samples[0].numbers) >= 5 * self.due:
@@ -120,15 +120,15 @@ class InputChecks:
         stamps_ns (N,): stamps [ns]; N is at most `room`
         columns (N,): position [m], rate [m/s] and force [N], for each axis
         """
-        self._window.add_many(stamps_ns, columns, estimates)
-        count = len(self._window.samples[0]) + 1 - self.due
+        self._windows.add_many(stamps_ns, columns, estimates)
+        count = len(self._windows.samples[0]) + 1 - self.due
         if count > 0:
             self._judge_next(int(stamps_ns[-1]), count)
 
     @property
     def room(self) -> int:
         """Return the number of samples after which evidence is collected or a verdict is told."""
-        return self.due - len(self._window.samples[0]) + max(len(self._waiting) - 1, 0)
+        return self.due - len(self._windows.samples[0]) + max(len(self._waiting) - 1, 0)
 
     def _judge_next(self, stamp_ns: int, count: int) -> None:
         """Do steps that wait, one a sample, or close the block that ends at a stamp."""
@@ -138,22 +138,22 @@ class InputChecks:
                     self._waiting.popleft()()
         else:
             self._stamp_ns = stamp_ns
-            if self._window.close_block(stamp_ns):
+            if self._windows.close_block(stamp_ns):
                 self._quiet //= 2  # a touch shows the most
-            if self._window.joint_rate > 0.0:
+            if self._windows.joint_rate > 0.0:
                 for pipeline in self._pipelines.values():
-                    pipeline.posterior.blocks.expect_joint_states(1.0 / self._window.joint_rate)
+                    pipeline.posterior.blocks.expect_joint_states(1.0 / self._windows.joint_rate)
             self._blocks += 1
             # The window holds four blocks: each sample is judged at least once.
             if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):
                 self._blocks, self._quiet = 0, 0 if self._active else self._quiet + 1
                 self._collect(*self._pipelines)
-        after = len(self._window.samples[0]) + 1
-        self.due = after if self._waiting else max(after, self._window.block)
+        after = len(self._windows.samples[0]) + 1
+        self.due = after if self._waiting else max(after, self._windows.block)
 
     def _collect(self, axis: str, *later: str) -> None:
         """Collect the evidence of an axis, of which checks tell their verdict before the next."""
-        seen = self._window.evidence(
+        seen = self._windows.of_axis(
             axis, self._p, AxisState.of(self._pipelines[axis]), self.joints, self.limits)
         for check in CHECKS:
             if not check.of_state:
@@ -168,7 +168,7 @@ class InputChecks:
             for axis, pipeline in self._pipelines.items():
                 text = self._text(check, axis)
                 if check.of_state and (text or check.confirmations == 1):
-                    seen = Evidence.of_state(axis, self._p, AxisState.of(pipeline))
+                    seen = Window.of_state(axis, self._p, AxisState.of(pipeline))
                     text = check.judge(seen) or ''
                 if text:
                     where = f'axis {axis}: ' if len(self._pipelines) > 1 else ''
@@ -182,7 +182,7 @@ class InputChecks:
 
     def explain_no_contact(self, axis: str) -> str:
         """Return what forces and positions there were instead of a contact."""
-        deepest, pressing = self._window.most(axis)
+        deepest, pressing = self._windows.most(axis)
         pipeline = self._pipelines[axis]
         place = ('environment.location is taken at first touch'
                  if pipeline.surface.location != pipeline.surface.location
@@ -196,7 +196,7 @@ class InputChecks:
         text, count = self._active.get((check.name, axis), ('', 0))
         return text if count >= check.confirmations else ''
 
-    def _judge(self, seen: Evidence, check: Check) -> None:
+    def _judge(self, seen: Window, check: Check) -> None:
         key = check.name, seen.axis
         in_foreign_axes = check.needs_axes and (WrenchAxes.name, seen.axis) in self._active
         text = '' if in_foreign_axes else check.judge(seen)
@@ -214,7 +214,7 @@ class InputChecks:
     def _tell(self, axis: str, *later: str) -> None:
         """Judge the state now, withhold estimates or allow them, and go on with the next axis."""
         pipeline = self._pipelines[axis]
-        seen = Evidence.of_state(axis, self._p, AxisState.of(pipeline))
+        seen = Window.of_state(axis, self._p, AxisState.of(pipeline))
         for check in CHECKS:
             if check.of_state:
                 self._judge(seen, check)

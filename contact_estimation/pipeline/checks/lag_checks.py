@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Array, BLOCKS, Check, Evidence, rate_of, white_noise_of
+from .check import Array, BLOCKS, Check, rate_of, white_noise_of, Window
 from ...physics.numeric import SIGN_VELOCITY
 
 _SIGNIFICANT = 40.0  # likelihood ratio
@@ -54,7 +54,7 @@ class StampSkew(Check):
     confirmations = 2
     stages = (lambda seen: _noise(seen), lambda seen: _averaged(seen), lambda seen: _nearest(seen))
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """
         Search the lag in the last seconds of contact.
 
@@ -113,7 +113,7 @@ class _Means(NamedTuple):
         return max(self.white * max(count - 2.0 * (2.0 * count)**0.5, 0.1 * count), 1e-300)
 
 
-def _skew_of(seen: Evidence) -> _Skew | None:
+def _skew_of(seen: Window) -> _Skew | None:
     """Estimate the lag of the force; None where contact or motion are too little."""
     means = _averaged(seen)
     if means is None:
@@ -144,12 +144,12 @@ def _skew_of(seen: Evidence) -> _Skew | None:
         ratio(_residual_with_physics(means, x, v), least), least / (count * means.floor))
 
 
-def _noise(seen: Evidence) -> tuple[float, ...]:
+def _noise(seen: Window) -> tuple[float, ...]:
     """Find the noise of all signals, which the evidence keeps."""
     return seen.noise, seen.position_noise, seen.rate_noise
 
 
-def _averaged(seen: Evidence) -> _Means | None:
+def _averaged(seen: Window) -> _Means | None:
     """Return the means of contact, found once; None without contact or motion."""
     instant, means = seen.memory.get('means', (None, None))
     if instant != seen.end_s:
@@ -159,7 +159,7 @@ def _averaged(seen: Evidence) -> _Means | None:
     return means  # type: ignore[no-any-return]
 
 
-def _nearest(seen: Evidence, means: _Means | None = None) -> Sequence[float]:
+def _nearest(seen: Window, means: _Means | None = None) -> Sequence[float]:
     """Return what no lag and the nearest ones leave, found once; nothing without means."""
     means = means or _averaged(seen)
     instant, left = seen.memory.get('nearest', (None, []))
@@ -169,7 +169,7 @@ def _nearest(seen: Evidence, means: _Means | None = None) -> Sequence[float]:
     return left  # type: ignore[no-any-return]
 
 
-def _means(seen: Evidence) -> _Means | None:
+def _means(seen: Window) -> _Means | None:
     """Average force, motion and acceleration over the same short times; None without motion."""
     size = seen.mean_size
     if len(seen.t) < _LEAST_MEANS * size:
@@ -199,7 +199,7 @@ def _means(seen: Evidence) -> _Means | None:
         variances, white, max(seen.state.noise_std, 1e-9)**2 / size)
 
 
-def _known_mass(seen: Evidence) -> float:
+def _known_mass(seen: Window) -> float:
     """Return the mass of the tool beyond the sensor, whose inertia is compensated [kg]."""
     mass = float(seen.parameters.physics.tool_inertia.mass)
     return mass if mass == mass else 0.0

@@ -7,7 +7,7 @@ from typing import Mapping, Sequence
 
 import numpy as np
 
-from .check import Check, Evidence
+from .check import Check, Window
 from ...signals.stream_faults import Bursts, CLEAR, Courses, courses_of, zero_steps, ZeroStep
 
 
@@ -26,7 +26,7 @@ class TwoForces(Check):
     remedy = 'Stop or remap the other publisher, or repair the driver.'
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Look for two signals in the force."""
         found = courses_of(seen.force, CLEAR * seen.configured_noise)
         return found.text('force', 'wrench', 'N') if found else ''
@@ -41,7 +41,7 @@ class TwoPositions(Check):
     remedy = TwoForces.remedy
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Look for two signals in the position."""
         least = max(CLEAR * seen.parameters.contact.position_noise, _COARSEST_M)
         found = courses_of(seen.x, least)
@@ -59,7 +59,7 @@ class StampBursts(Check):
               'latency timer.')
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Look at the stamps of all wrenches."""
         return seen.bursts.text if seen.bursts else ''
 
@@ -74,7 +74,7 @@ class ZeroSteps(Check):
     remedy = ('Call `~/tare` out of contact; zero the sensor before the node starts, and not '
               'afterwards; of a sensor that drifts, `force_sensor.zero: tracked`.')
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the levels of free flight; a step is told until a tare."""
         steps = self._noted(seen)
         bias, told = seen.memory.get('zero_steps', (seen.bias, []))
@@ -93,7 +93,7 @@ class ZeroSteps(Check):
                 'let nothing zero the sensor while the node runs')
 
     @staticmethod
-    def _noted(seen: Evidence) -> list[ZeroStep]:
+    def _noted(seen: Window) -> list[ZeroStep]:
         """Add the samples of free flight to those before, and return the steps in them."""
         free = seen.free | (seen.x < seen.location - seen.state.margin)
         t, force = seen.start_s + seen.t[free], seen.force[free]
@@ -123,7 +123,7 @@ class SampleRate(Check):
               'send at this rate, find what drops samples: a machine or network that is too slow.')
     of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Window) -> str:
         """Compare the spacing of the stamps with the nominal one."""
         rate, period = seen.parameters.sample_rate, seen.state.period_s
         if (period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF
@@ -177,7 +177,7 @@ class JointStill(Check):
     remedy = 'Set `joint` and start again, or repair the driver; for an arm, see `kinematics.*`.'
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the travel since the start with the change of the force."""
         if seen.travel > 0.0:
             return ''
@@ -205,7 +205,7 @@ class JointUnits(Check):
     invalidates = True
     confirmations = 3
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare the present positions with the limits."""
         for place, (name, low, high) in seen.limits.items():
             if place >= len(seen.joints):
@@ -229,7 +229,7 @@ class PositionUnit(Check):
               'radians; for an arm set `kinematics.*` and `contact.normal`.')
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare speed and penetration with those of any robot."""
         x, t = seen.x, seen.t
         if len(x) < 3:
@@ -256,7 +256,7 @@ class JointVelocity(Check):
               'positions.')
     invalidates = True
 
-    def judge(self, seen: Evidence) -> str | None:
+    def judge(self, seen: Window) -> str | None:
         """Compare what velocities add up to with the steps of the positions."""
         if not np.isfinite(seen.v).all() or not seen.joint_rate > 0.0 or seen.bursts:
             return None

@@ -28,7 +28,7 @@ _BINS = 25  # of force or position; of 1000 samples 40 are in each
 _LONGEST_AHEAD_S = 0.4  # search for a late reference: a second would take seconds
 
 
-class Evidence:
+class Quantities:
     """Quantities of a recording, in part in comparison with the nominal model."""
 
     def __init__(
@@ -43,11 +43,11 @@ class Evidence:
         return [part.signals for part in continuous_parts(Recording('', self.whole), self.model)]
 
     @cached_property
-    def _longest(self) -> 'Evidence':
-        """Evidence of the longest part."""
+    def _longest(self) -> 'Quantities':
+        """Quantities of the longest part."""
         if len(self.parts) == 1:
             return self
-        return Evidence(max(self.parts, key=lambda part: len(part.wrench_t)), self.model)
+        return Quantities(max(self.parts, key=lambda part: len(part.wrench_t)), self.model)
 
     @cached_property
     def overlap(self) -> Overlap:

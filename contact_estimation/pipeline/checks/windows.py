@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .axes_checks import Loads
-from .check import Array, AxisState, bias_of, BLOCKS, Evidence, Forces
+from .check import Array, AxisState, bias_of, BLOCKS, Forces, Window
 from ..parameters import EstimationParameters
 from ...estimators.estimate import Estimate, EstimateStatus
 
@@ -70,7 +70,7 @@ class Pending:
         return table[:count]
 
 
-class EvidenceWindow:
+class Windows:
     """The last two seconds of every axis, block by block; attributes as of `InputChecks`."""
 
     def __init__(self, pipelines: Mapping[str, Any]) -> None:
@@ -133,16 +133,16 @@ class EvidenceWindow:
         self.joint_rate = joints / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
         return touched
 
-    def evidence(
+    def of_axis(
         self, axis: str, parameters: EstimationParameters, state: AxisState,
         joints: Sequence[float], limits: Mapping[int, tuple[str, float, float]],
-    ) -> Evidence:
-        """Return the evidence of an axis; parameters as of `Evidence`."""
+    ) -> Window:
+        """Return the evidence of an axis; parameters as of `Window`."""
         stamps, x, v, force, touching = np.concatenate(self._windows[axis], axis=1)
         low, high = self._travel[axis]
         table = np.concatenate(self._others)
         begin = stamps[0]
-        return Evidence(
+        return Window(
             axis, parameters, state, (stamps - begin) * 1e-9, x, v,
             force - bias_of(axis, parameters, state),
             touching > 0.5, self._other_forces(table, stamps, x), self.joint_rate, high - low,
