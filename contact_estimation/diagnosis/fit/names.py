@@ -14,6 +14,7 @@ from .evidence import (
     Evidence, explained, misfits, NUISANCES, of_families, ranked_by, Scored, Share, share_of,
     taken, ZEROS)
 from ..observe.shares import SLIGHT
+from ...physics import EFFECTS
 from ...physics.numeric import Array
 
 _LISTED = 3  # effects in the place of one, at most
@@ -118,10 +119,10 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     """
     Drop names of which the share is too little, or not above 0 with 95 % over the parts.
 
-    What is little of a law is told by what the zeros leave: unless it is exact, none is named
-    where that is within the discrepancy of every instrument. What every rig has is worth a name if
-    it is more than that, and stays in the model of a law in any case: without it the law would
-    bend to make up for it.
+    What is little of a law is told by what the zeros leave: where that is within the discrepancy
+    of every force sensor, none is named but exact ones and those of a robot, which the motion
+    tells. What every rig has is worth a name if it is more than that, and stays in the model of a
+    law in any case: without it the law would bend to make up for it.
     """
     evidence = compared.evidence
     c = evidence.constants
@@ -131,10 +132,11 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     told = parts(compared, named, without)
     of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
-    left = float(misfits(evidence, evidence.base, None).sum()) * of_laws
+    told_by_force = float(misfits(evidence, evidence.base, None).sum()) * of_laws >= usual
     little = [effect for effect, part in told.items()
               if part.share.share < least * (1.0 if effect in ZEROS else of_laws)
-              or (part.gain.sum() if effect in NUISANCES else left) < usual
+              or (part.gain.sum() < usual if effect in NUISANCES
+                  else not told_by_force and EFFECTS[effect].port != 'robot')
               or _may_be_none(part.share) and _may_be_none(part.beside)]
     fewer = _dropped(compared, named, little, without, NUISANCES) if little else None
     if fewer is not None:
