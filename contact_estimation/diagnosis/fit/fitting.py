@@ -112,7 +112,7 @@ def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -
         model.coordinates, model.steps, function, here, shares, model.ranges[1])
 
 
-_MOST_SEARCHES, SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
+_MOST_SEARCHES, _SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
 _BRIEFLY, _TO_END = 1e-3, 1e-6  # relative gain at which a search ends
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
 # Standard deviations that typical changes cost: rounding moves nothing that data leave open.
@@ -198,7 +198,7 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
         if found.ended:
             break
         before, found = found.cost, fit(recordings, found.model, known=found.residuals)
-        if found.cost > SLOWLY * before:
+        if found.cost > _SLOWLY * before:
             break
     return found
 

@@ -117,8 +117,7 @@ _WORSE = 4.0  # times the cost with effects at the measured motion: the iteratio
 def fit_driven_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     """Fit a wall that a force drives with its effects at its own motion, not the measured one."""
     iterated = [replace(recording, picard_rounds=_ROUNDS) for recording in recordings]
-    refined = fit_to_end(iterated, fit(iterated, found.model))
-    if refined.cost <= _WORSE * found.cost and refined.model.plausible():
-        return iterated, refined
-    # The iteration does not converge for a strongly nonlinear wall.
-    return [replace(recording, picard_rounds=1) for recording in recordings], found
+    own = fit_to_end(iterated, fit(iterated, found.model))
+    if own.cost <= _WORSE * found.cost and own.model.plausible():
+        return iterated, own
+    return recordings, found  # the iteration does not converge for a strongly nonlinear wall

@@ -278,8 +278,7 @@ class Blocks:
     def rows(self, x0: float, deepest: float) -> Array:
         """Return the rows of the windows selected, about x0; greatest position before [m]."""
         force, x, (v, *bent), whole = self._selected
-        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent,
-                                  deepest=deepest)
+        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent, deepest=deepest)
         return phi if whole.all() else phi[:, whole]
 
     def next_to_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:

@@ -148,18 +148,8 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     gram[bent, :, 4:6] -= gram[bent, :, 0:1]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
-    # A curved law is known near x0 only: its prior is cut off by exp(-s^2 / 2 near).
-    told = np.square(K * what.std) + scene.level
-    near = np.where(CURVED[laws], np.square(K * (NEAR_DEPTH * scene.depth)), np.inf)
-    std[:, 3] = np.sqrt(1.0 / (1.0 / told + 1.0 / near))
+    std[:, 3], there, lost = _surface(scene, what, K, scale)
     precision = std ** -2.0
-    offset = what.centre - scene.x0
-    lost = np.log1p(told / near) + np.square(K * offset) / (told + near)
-    offset = offset / (1.0 + told / near)
-    there = np.zeros((count, UNKNOWNS))  # the force at the centre of the surface
-    there[:, 3], there[:, 0] = 1.0, offset
-    o = offset[bent, None]
-    there[bent, 4:] = o * np.concatenate([o, o * o], axis=1) * scale[bent, 4:6] - o
     L = precision[:, 3, None, None] * there[:, :, None] * there[:, None, :]
     precision[:, 3] = 0.0
     L[:, _DIAGONAL, _DIAGONAL] += precision
@@ -179,6 +169,24 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
             rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times]),
         np.where(LATE[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
+
+
+def _surface(
+    scene: Scene, what: Hypotheses, K: Array, scale: Array
+) -> tuple[Array, Array, Array]:
+    """Return the prior of s: its deviation, the force at the surface, and what it costs."""
+    # A curved law is known near x0 only: its prior is cut off by exp(-s^2 / 2 near).
+    told = np.square(K * what.std) + scene.level
+    near = np.where(CURVED[what.law], np.square(K * (NEAR_DEPTH * scene.depth)), np.inf)
+    offset = what.centre - scene.x0
+    lost = np.log1p(told / near) + np.square(K * offset) / (told + near)
+    offset = offset / (1.0 + told / near)
+    there = np.zeros((len(K), UNKNOWNS))
+    there[:, 3], there[:, 0] = 1.0, offset
+    bent = what.law == BENT
+    o = offset[bent, None]
+    there[bent, 4:] = o * np.concatenate([o, o * o], axis=1) * scale[bent, 4:6] - o
+    return np.sqrt(1.0 / (1.0 / told + 1.0 / near)), there, lost
 
 
 def _calibrate(grams: Array) -> tuple[Array, Array, Array]:

@@ -13,6 +13,7 @@ from .blocks import Blocks
 from .constants import (
     ANYWHERE_M, COMMIT, EXACT_SURFACE_M, LEAST_STIFFNESS, NEAR_DEPTH, SHIFT, UNLIKELY)
 from .contact import CONTACT, ContactFilter, FREE
+from .earlier_walls import EarlierWalls
 from .evidence import hypotheses, judge_in_parts, Judged, mixture, negativity, Scene, walls
 from .knowledge import Knowledge
 from .laws import (
@@ -57,11 +58,7 @@ class WallInference:
         self._sums = WallStatistics(location, std)
         self.residuals, self.changes = Residuals(blocks, contact), 0
         self._touched: Touch | None = None
-        # The walls before the first change since the touch, and before the tool moved outward, if
-        # it does; whether the wall has changed since then, and mean rate of the last block [m/s].
-        self._first: WallStatistics | None = None
-        self._inward: WallStatistics | None = None
-        self._changed, self._rate = False, 0.0
+        self._earlier = EarlierWalls()
         self._level = 0.0  # of the force in free flight, before this contact [N]
         self._excited_at, self._excitation = -1, (inf, inf)
         # Log odds of each law as last judged before something seems to have changed.
@@ -110,7 +107,7 @@ class WallInference:
         """
         self.rhythm.touch()
         self._level, self._sums.same = self._contact.level, None
-        self._first = self._inward = None
+        self._earlier.begin()
         known, unfelt, noise = self.known, self._unfelt, self._blocks.noise[0]
         late = rate * hypot(*self.lag.lag)
         error = EXACT_SURFACE_M + hypot(sqrt(noise) if noise == noise else 0.0, late)
@@ -215,23 +212,25 @@ class WallInference:
         if self.rhythm.unjudged:
             yield
             yield from self._judge()
-        if self._inward is not None and self._changed:
-            yield from self._return_to(self._inward)
+        earlier = self._earlier
+        if earlier.inward is not None and earlier.changed:
+            yield from self._return_to(earlier.inward)
         if self._contact.state == FREE and not self.zero_has_changed:
-            self._inward = None
+            earlier.inward = None
 
     def put_back(self, x: float) -> Iterator[None]:
         """Put back the wall before what a zero that has changed has done to it, free at x [m]."""
-        before = self._first or self._inward
+        earlier = self._earlier
+        before = earlier.first or earlier.inward
         if before is None or not x < before.edge:
             return
-        if before is self._inward:  # no step, but a drift: the wall is known with the zero of now
+        if before is earlier.inward:  # no step, but a drift: the wall is known with the zero now
             before.shift_force(self._contact.level - self._level)
-        self._first = None
+        earlier.first = None
         yield from self._return_to(before)
 
     def _return_to(self, before: WallStatistics) -> Iterator[None]:
-        self._sums, self._inward = before, None
+        self._sums, self._earlier.inward = before, None
         self.residuals.best = None
         self.changes += 1
         yield
@@ -263,11 +262,7 @@ class WallInference:
                 self._sums.runs.begin(self._touched)
             self._touched = None
         self.rhythm.add(seconds)
-        self._rate = float(phi[RATE].mean())
-        if self._rate > 0.0:
-            self._inward = None
-        elif self._rate < 0.0 and self._inward is None:
-            self._inward, self._changed = self._sums.copied(), False
+        self._earlier.follow(float(phi[RATE].mean()), self._sums)
         self._sums.add(phi, weights, told, seconds, smooth.hop * smooth.noise)
 
     def _judge(self) -> Iterator[None]:
@@ -286,20 +281,17 @@ class WallInference:
             best = int(np.where(what.law == other.law, odds, -inf).argmax())
             other.size = float(judged.theta[best, other.coefficient])
         yield
-        change, of_laws = None, np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
+        of_laws = np.logaddexp.reduce(odds.reshape(_LAWS, -1), axis=1)
         if self._of_laws is None or not (self.rhythm.surprised or self._doubted):
             self._of_laws = of_laws
         law = int(np.argmax(self._of_laws[:MOVING]))
-        before = yield from sums.runs.before(
+        change = yield from sums.runs.judge(
             sums.gram, scene, hypotheses(
                 np.array([law]), sums.surfaces, sums.scale, scene.depth), prior,
-            1 if self.rhythm.surprised else LEAST_BLOCKS)
-        if before is not None:
-            yield
-            alone = float(odds[still] + negative[still] - sums.odds[law])
-            block_s = min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s
-            change = yield from sums.runs.since(before, scene, alone, block_s)
-            # A wall at rest may have changed instead of moving.
+            1 if self.rhythm.surprised else LEAST_BLOCKS,
+            float(odds[still] + negative[still] - sums.odds[law]),
+            min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s)
+        if change is not None:  # a wall at rest may have changed instead of moving
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
@@ -333,10 +325,7 @@ class WallInference:
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:
         """Begin anew where a change of the wall is certain."""
         assert self._of_laws is not None  # a change is one from the laws before it
-        before = self._sums.commit(change, certain, self._of_laws, scene)
-        self._first, self._changed = self._first or before, True
-        if not self._rate:
-            self._inward = None
+        self._earlier.note_change(self._sums.commit(change, certain, self._of_laws, scene))
         self.changes += not change.shift[certain]
         self._of_laws = None
         K, B = change.judged.theta[certain, :2].tolist()

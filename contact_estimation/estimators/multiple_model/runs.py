@@ -131,7 +131,19 @@ class Runs:
         old = [k for k, age in enumerate(self._seconds) if age >= seconds]
         return self._grams[old[-1] if old else 0]
 
-    def before(
+    def judge(
+        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array, least: int, alone: float,
+        block_s: float,
+    ) -> Generator[None, None, Change | None]:
+        """Judge a change at each run, in parts; parameters as of `_before` and `_since`."""
+        before = yield from self._before(gram, scene, what, prior, least)
+        if before is None:
+            return None
+        yield
+        change = yield from self._since(before, scene, alone, block_s)
+        return change
+
+    def _before(
         self, gram: Array, scene: Scene, what: Hypotheses, prior: Array, least: int
     ) -> Generator[None, None, Before | None]:
         """
@@ -159,7 +171,7 @@ class Runs:
             evidence.max(axis=1), judged.theta[best], judged.P[best]), np.flatnonzero(old[used]),
             Hypotheses(*(one[place] for one in what)), prior[place], gram)
 
-    def since(
+    def _since(
         self, before: Before, scene: Scene, evidence: float, block_s: float
     ) -> Generator[None, None, Change]:
         """
