@@ -114,19 +114,17 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> sparse.cs
                 _STANDS_OUT * float(np.median(size)))
     steps = np.argsort(-size)[:_MOST_STEPS]
     pulse = np.zeros(len(o.t))
-    pulse[0] = 1.0
+    pulse[:2] = _UNIFORM / sqrt(2.0)  # both courses of the step within its sample
     response = _response(recording, pulse, model)
-    variance = float(np.sum(recording.motion.average(response) ** 2)) * (_UNIFORM * jumps) ** 2
+    variance = float(np.sum(recording.motion.average(response) ** 2)) * jumps**2
     steps = steps[(size[steps] > least) & (variance[steps] > LITTLE * LEAST_VARIANCE)]
-    # Two pulses span the possible courses of a step within its sample.
-    first, jump = np.stack((steps, steps + 1), axis=1).ravel(), np.repeat(jumps[steps], 2)
     lasting = np.flatnonzero(np.abs(response) > _FADED * np.ptp(response))
     response = response[:np.max(lasting, initial=-1) + 1]
-    rows = first[:, np.newaxis] + np.arange(len(response))
+    rows = steps[:, np.newaxis] + np.arange(len(response))
     k, _ = there = np.nonzero(rows < len(o.t))
     moved = sparse.csc_array(
-        (_UNIFORM * np.outer(jump, response)[there], (rows[there], k)), (len(o.t), len(first)))
-    before = sparse.csc_array((recording.block_count, len(first)))
+        (np.outer(jumps[steps], response)[there], (rows[there], k)), (len(o.t), len(steps)))
+    before = sparse.csc_array((recording.block_count, len(steps)))
     return sparse.vstack((before, recording.motion.averaging @ moved), 'csc')
 
 
