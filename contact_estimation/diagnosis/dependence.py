@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """
-Dependence of the residuals of each channel on time, motion, frequency and their own past.
+Dependence of the residuals of each channel on time, motion and their own past.
 
 The residual is averaged over bins of a quantity. Stretches of half a second are drawn with
 replacement for the bands of these means (block bootstrap, Kuensch 1989), and permuted for the
@@ -31,7 +31,6 @@ _SIGNIFICANCE = 99.0  # percentile of the distribution without dependence
 _BINS = 12
 _PAST = 5  # blocks
 _LEAST_STRETCHES = 8
-_SEGMENT = 4  # stretches: lowest frequency of the spectrum
 _LEAST_SHARE = 0.05  # of the residuals, that smoothing alone can cause
 
 
@@ -43,13 +42,13 @@ class Dependence(NamedTuple):
     on: str
     unit: str
     # of the mean square of the residual: explained by the means of the bins; for 'its own past' by
-    # the blocks just before; for 'frequency' 1 less the spectral flatness
+    # the blocks just before
     share: float
     chance: float  # 99 % quantile of the share without dependence
     names: tuple[str, ...]  # of the bins, if they have names
     middle: Array  # (bins,) of the quantity in each bin; for 'its own past' lags [s]
     # mean, low, high (bins,): of the residual, in standard deviations of a block, with its 95 %
-    # band; for 'its own past' the autocorrelation, for 'frequency' the power in that of the noise
+    # band; for 'its own past' the autocorrelation
     mean: Array
     low: Array
     high: Array
@@ -90,7 +89,6 @@ def dependences(
         orders = generator.permuted(np.tile(np.arange(count), (DRAWS, 1)), axis=1)
         for binned in _quantities(recording, model, use):
             found.append(_dependence(name, residual, binned, orders, generator))
-        found.append(_on_frequency(name, residual, recording.block_s, count, generator))
         found.append(_on_past(name, residual, recording.block_s, count, generator))
     return found
 
@@ -164,37 +162,6 @@ def _drawn(count: int, generator: Generator) -> Array:
     """Draw stretches with replacement; return how often each is drawn, (draws, count)."""
     drawn = generator.multinomial(count, np.full(count, 1.0 / count), DRAWS)
     return np.asarray(drawn, np.float64)
-
-
-def _on_frequency(
-    channel: str, residual: Array, step: float, count: int, generator: Generator
-) -> Dependence:
-    """Compare the spectrum, octave by octave, with that of white noise."""
-    segments = max(1, count // _SEGMENT)
-    length = len(residual) // segments
-    window = np.hanning(length)
-    frequencies = np.fft.rfftfreq(length, step)
-    octaves = np.maximum(np.log2(np.maximum(frequencies, 1e-9) / frequencies[1]), -1.0)
-    bins = np.floor(octaves).astype(int) + 1  # 0: the mean
-    lines = np.bincount(bins)
-
-    def octave_powers(series: Array) -> Array:
-        rows = series[:segments * length].reshape(segments, length)
-        power = np.abs(np.fft.rfft(rows * window)) ** 2 / np.sum(window**2)
-        return np.array([np.bincount(bins, row) / lines for row in power])[:, 1:]
-
-    def uneven(powers: Array) -> float:
-        mean, weights = powers.mean(axis=0), lines[1:] / np.sum(lines[1:])
-        return float(1.0 - np.exp(weights @ np.log(mean + 1e-300)) / (weights @ mean + 1e-300))
-
-    powers = octave_powers(residual)
-    drawn = _drawn(segments, generator)
-    low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
-    permuted = [uneven(octave_powers(generator.permutation(residual))) for _ in range(DRAWS // 4)]
-    middle = np.bincount(bins, frequencies)[1:] / lines[1:]
-    return Dependence(
-        channel, 'frequency', 'Hz', uneven(powers),
-        float(np.percentile(permuted, _SIGNIFICANCE)), (), middle, powers.mean(axis=0), low, high)
 
 
 def _past_of(series: Array) -> Array:

@@ -168,7 +168,7 @@ def plot_dependences(dependences: Mapping[str, Sequence[Dependence]]) -> Any:
     for axis, both in zip(axes.flat, quantities):
         for name, one in zip(dependences, both):
             _plot_dependence(axis, one, COLOURS[name])
-        axis.axhline(float(both[0].on == 'frequency'), color=MUTED, linewidth=0.8)
+        axis.axhline(0.0, color=MUTED, linewidth=0.8)
         shares = ' → '.join(f'{100.0 * max(one.share, 0.0):.0f}' for one in both)
         axis.set_title(f'{quantity(both[0])}: {shares} %')
         axis.set_xlabel(f'[{both[0].unit}]' if both[0].unit else '', fontsize=8)
@@ -187,8 +187,6 @@ def _plot_dependence(axis: Any, one: Dependence, colour: str) -> None:
                         rotation=20, fontsize=7)
         axis.margins(x=0.15)
         return
-    if one.on == 'frequency':
-        axis.set(xscale='log', yscale='log')
     axis.fill_between(one.middle, one.low, one.high, color=colour, alpha=0.25, linewidth=0)
     axis.plot(one.middle, one.mean, color=colour, linewidth=1.0, marker='o', markersize=2)
 
