@@ -239,3 +239,13 @@ def test_a_zero_that_settles_makes_no_step() -> None:
     noise = np.random.default_rng(1).normal(0.0, 0.2, len(t))
     assert zero_steps(t, -1.7 - 5.3 * np.exp(-t / 4.4) + noise, 0.2) == []
     assert len(zero_steps(t, 3.0 * (t > 2.0) + noise, 0.2)) == 1
+
+
+def test_a_zero_that_warms_up_or_a_wall_that_sticks_makes_no_step() -> None:
+    rng = np.random.default_rng(1)
+    t = np.concatenate([np.arange(0.0, 1.5, 0.002), np.arange(3.0, 4.7, 0.002),
+                        np.arange(7.2, 8.0, 0.002)])
+    warming = 2.5 * (1.0 - np.exp(-t / 6.0)) - 1.2 * (1.0 - np.exp(-t / 1.5))
+    assert zero_steps(t, warming + rng.normal(0.0, 0.12, len(t)), 0.12) == []
+    sticking = np.where((t > 3.0) & (t < 3.03) | (t > 7.2) & (t < 7.24), 2.0, 0.0)
+    assert zero_steps(t, sticking + rng.normal(0.0, 0.12, len(t)), 0.12) == []

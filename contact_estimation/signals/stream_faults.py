@@ -173,7 +173,10 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
     before: _Piece | None = None
     for first, stop in zip([0, *gaps], [*gaps, len(t)]):
         edges = [0, *_jumps(force[first:stop], noise), stop - first]
-        for k, now in enumerate(_pieces(t[first:stop], force[first:stop], edges)):
+        pieces = list(_pieces(t[first:stop], force[first:stop], edges))
+        if before and len(pieces) > 1 and pieces[1] and not _differ(before, pieces[1], noise, True):
+            pieces[0] = None  # a wall that sticks pulls, and lets go: the zero is where it was
+        for k, now in enumerate(pieces):
             if now is None or now.std > _LEVEL * noise:
                 before = None if k == 0 else before
                 continue
@@ -249,12 +252,13 @@ def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
     least = TARE_DUE if min(before.samples, now.samples) >= 2 * _PIECE else CLEAR
     if size < least * noise:
         return False
-    spans = [max(piece.end - piece.begin, 1e-9) for piece in (before, now)]
-    errors = [noise * (12.0 / piece.samples)**0.5 / span
-              for piece, span in zip((before, now), spans)]
-    weights = [1.0 / error**2 for error in errors]
-    slope = abs(before.slope * weights[0] + now.slope * weights[1]) / sum(weights)
+    slopes, errors = np.array([
+        (np.sign(change) * piece.slope,
+         noise * (12.0 / piece.samples)**0.5 / max(piece.end - piece.begin, 1e-9))
+        for piece in (before, now)]).T
+    weights = errors**-2.0
+    drift = abs(weights @ slopes) / weights.sum() + 3.0 / weights.sum()**0.5
+    # What is seen to drift in one of the two may drift as fast between them, as it warms up.
+    drift = max(drift, *np.where(slopes > 3.0 * errors, slopes + 3.0 * errors, 0.0))
     apart = 0.5 * (now.begin + now.end - before.begin - before.end)
-    settles = max(np.sign(change) * piece.slope - 3.0 * error
-                  for piece, error in zip((before, now), errors))
-    return bool(size > max(slope + 3.0 / sum(weights)**0.5, settles) * apart)
+    return bool(size > drift * apart)
