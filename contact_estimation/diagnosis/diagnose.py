@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from .checks import examine
+from .checks.check import of_families
 from .checks.experiment import with_places
 from .checks.stamps import with_offset
 from .conclusion import conclude
@@ -25,7 +26,8 @@ from .observe.shares import LITTLE
 from .observe.signals import Recording, with_reference_rates
 from .observe.usable_samples import held_at_rest, without_held_samples
 from .result import Diagnosis, refuse
-from .views import best_view, compare, Given, Progress, Seen
+from .stamp_offset import Offset
+from .views import best_view, CAUSED, compare, Given, Progress, Seen
 from ..exceptions import ParameterRangeError, RecordingError
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters, WallParameters
@@ -86,12 +88,26 @@ def diagnose(
     nominal = _in_scales_of([*fitted, *held_out], nominal)
     seen = best_view(Given(nominal, fitted, held_out, examined.checks), progress)
     if seen.view.offset is not None:
-        commanded = all(one.observed.reference is not None for one in seen.recordings)
-        return refuse(with_offset(examined.checks, *seen.view.offset, commanded), nominal)
+        return _beside_offset(seen, seen.view.offset, seed, progress)
     diagnosis = _with_words_of_surfaces(conclude(seen, seed, progress), seen)
     if diagnosis.verdict != 'unexplained':
         return diagnosis
     return _moving(seen, diagnosis, seed, progress)
+
+
+def _beside_offset(seen: Seen, offset: Offset, seed: int, progress: Progress) -> Diagnosis:
+    """Name what stamps that are off do not look like; refuse recordings without such a law."""
+    commanded = all(one.observed.reference is not None for one in seen.recordings)
+    given, known = seen.view.given, seen.compared
+    unlike = [one for one in known.models if not one.named & CAUSED]
+    if unlike[0].laws:
+        checks = with_offset(given.checks, *offset, commanded, of_families(*CAUSED))
+        view = seen.view._replace(given=given._replace(checks=checks))
+        found = conclude(
+            seen._replace(view=view, compared=known._replace(models=unlike)), seed, progress)
+        if found.effects:
+            return found
+    return refuse(with_offset(given.checks, *offset, commanded), given.nominal)
 
 
 def _in_scales_of(recordings: Sequence[Recording], nominal: Model) -> Model:

@@ -32,12 +32,13 @@ from ..plant.driven_wall import BETWEEN
 
 Progress = Callable[[str], None]
 
+CAUSED = frozenset({'timing', 'inertia', 'relaxation'})
+"""Families that stamps which are off look like."""
+
 _STRAIGHT = next(iter(BETWEEN))  # the usual course of a force between samples
 _DIVERGED = 1e3  # times the range of the motion: a free run that tells nothing
 _REFITTED = 4  # models that are fitted again to a motion smoothed by the best of them
 _AS_LIKELY = 1.0  # nats: no evidence either way
-_CAUSED = ('timing', 'inertia', 'relaxation')  # families that stamps which are off look like
-
 
 class Given(NamedTuple):
     """What is diagnosed, after all checks."""
@@ -252,7 +253,7 @@ def _stamps(seen: Seen) -> Iterator[View]:
 
 def _lawful(seen: Seen) -> Scored:
     """Return the best model without what stamps that are off, or a held reference, look like."""
-    caused = [name for name in seen.best.effects if EFFECTS[name].family in _CAUSED]
+    caused = [name for name in seen.best.effects if EFFECTS[name].family in CAUSED]
     return seen.models.without(seen.best, caused) if caused else seen.best
 
 

@@ -128,12 +128,14 @@ def clock_offset(quantities: Quantities) -> Finding:
 
 
 def with_offset(
-    checks: Sequence[Check], topic: str, late: float, commanded: bool = True
+    checks: Sequence[Check], topic: str, late: float, commanded: bool = True,
+    could_cause: frozenset[str] | None = None,
 ) -> list[Check]:
     """
     Replace the result of `clock_offset`: the stamps of a topic are late, or early if negative [s].
 
     `commanded` is whether there is a robot with a reference; otherwise a force drives the wall.
+    `could_cause` are the effects that are not named then; None, if nothing is.
     """
     side, when = ('late', 'earlier') if late > 0.0 else ('early', 'later')
     others = 'command and force both fit the motion'
@@ -150,7 +152,8 @@ def with_offset(
     text = (f'{others} best about {1e3 * abs(late):.2g} ms {when}, '
             f'expected at the same instant: {cause}; stamp each sample when it is '
             f'measured (on line, set synchronisation.offset to {-joints:.2g} s)')
-    return [Check(one.name, False, text, True, frozenset(EFFECTS))
+    fatal, causes = could_cause is None, frozenset(EFFECTS) if could_cause is None else could_cause
+    return [Check(one.name, False, text, fatal, causes)
             if one.name == 'clock_offset' else one for one in checks]
 
 
