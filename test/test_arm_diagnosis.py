@@ -41,7 +41,7 @@ CONCEALED = {
     'coupled_friction': ArmLaw('coupled_friction', [3.0, 0.5, 0.0], (1, 2, 1)),
     'joint_flexibility': ArmLaw('joint_flexibility', [0.0008], 0),
     'stribeck_friction': ArmLaw('stribeck_friction', [0.0, 5.0], 1, 0.15),
-    'load_dependent_friction': ArmLaw('load_dependent_friction', [0.0, 0.2], 0),
+    'load_dependent_friction': ArmLaw('load_dependent_friction', [0.0, 0.2], 0, 0.003),
 }
 
 
