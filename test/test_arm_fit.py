@@ -108,3 +108,10 @@ def test_a_load_that_leaves_no_mass_of_its_link_is_unlikely() -> None:
     reading = Reading.of(Channels([one], ArmDynamics(URDF)))
     found = reading.but(load=8.0).evidence()
     assert found.load < -2.0 * reading.arm.masses[-1] and found.nat < reading.evidence().nat
+
+
+def test_a_gain_of_all_torques_below_the_span_of_published_ones_is_not_refused() -> None:
+    for gain, refused in ((0.75, False), (0.3, True)):
+        one = arm_recording(tau=lambda tau, gain=gain: gain * tau)
+        checks = check_reading(Reading.of(Channels([one], ArmDynamics(URDF))))
+        assert [one.fatal for one in checks if not one.ok] == [refused], checks
