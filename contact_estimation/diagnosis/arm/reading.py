@@ -44,8 +44,8 @@ class Reading:
     """
     Some samples of a recording, read in one way.
 
-    q, v, a, tau (N, n), and those of dry friction of 1 N m; course: times of the samples, and of
-    all torques, and these
+    q, v, a, tau (N, n), rubs: those of dry friction of 1 N m
+    course: times of the samples, and of all torques, and these
     scale (n,): of the torques over those of the joints in N m; 0 for a torque without load
     errors: independent ones of each joint
     load: standard deviation of the mass at the flange [kg]
@@ -91,9 +91,8 @@ class Reading:
 
     def moved(self, motion: Any, torque: bool) -> 'Reading':
         """Return the reading with a function of all positions, and of the torques."""
-        return replace(self, q=motion(self.q), v=motion(self.v), a=motion(self.a),
-                       rubs=[*map(motion, self.rubs)],
-                       tau=motion(self.tau) if torque else self.tau)
+        return replace(self, q=motion(self.q), v=motion(self.v), a=motion(self.a), rubs=[
+            *map(motion, self.rubs)], tau=motion(self.tau) if torque else self.tau)
 
     def but(self, **changes: Any) -> 'Reading':
         """Return the reading with the same motion."""
@@ -169,11 +168,10 @@ class Reading:
                       + np.sum(mine**2) + np.linalg.slogdet(A)[1]
                       - np.linalg.slogdet(own)[1].sum())
         nat += np.sum(log_ndtr(mine[:, :driven] / stds) + np.log(2.0))
-        mass, size = len(self.sizes) - PER_LINK, self.sizes[-PER_LINK]
-        std, own_mass = size * np.sqrt(C[mass, mass]), self.arm.masses[-1]
-        load = size * theta[mass]
+        at, size, mass = len(self.sizes) - PER_LINK, self.sizes[-PER_LINK], self.arm.masses[-1]
+        load, std = size * theta[at], size * np.sqrt(C[at, at])
         # The last link with its load has a mass.
-        nat += log_ndtr((own_mass + load) / std) - log_ndtr(own_mass / size)
+        nat += log_ndtr((mass + load) / std) - log_ndtr(mass / size)
         return ReadingEvidence(
             float(nat), 1.0 + gains * mine[:, -1], _UNKNOWN * theta[len(self.sizes):],
             float(load), float(log_ndtr(-load / std) - log_ndtr(load / std)))
