@@ -102,8 +102,8 @@ def test_each_law_has_a_finite_column_for_each_coefficient(name: str) -> None:
         assert np.abs(list(columns.values())).max() > 0.0
 
 
-def test_stribeck_friction_is_that_of_the_library() -> None:
-    here = along(ArmDynamics(URDF), motion())
+def test_stribeck_friction_at_an_instant_is_that_of_the_library() -> None:
+    here = replace(along(ArmDynamics(URDF), motion()), period=0.0)
     v, v_s = here.v[:, 0], 0.3
     columns = JOINT_EFFECTS['stribeck_friction'].columns(here, 0, v_s)[0]
     expected = (2.0 + 3.0 * np.exp(-(v / v_s) ** 2)) * np.tanh(v / (0.02 * here.speed[0]))

@@ -12,6 +12,7 @@ from contact_estimation.diagnosis.arm.covariance import without_each
 from contact_estimation.diagnosis.arm.gram import CALIBRATION, GAIN_KNOWN, Gram, ZERO_KNOWN, ZEROS
 from contact_estimation.diagnosis.arm.reading import Reading
 from contact_estimation.kinematics.arm_dynamics import ArmDynamics
+from contact_estimation.plant.arm_simulation import ArmLaw
 import numpy as np
 import pytest
 
@@ -92,3 +93,25 @@ def test_a_gain_of_all_torques_that_looks_like_a_load_is_said_to_be_open() -> No
     checks = check_reading(Reading.of(Channels([one], ArmDynamics(URDF))))
     unit = next(one for one in checks if one.name == 'torque_unit')
     assert unit.ok and 'does not tell: gain of all joints (1.5)' in unit.text
+
+
+def test_friction_that_reverses_over_a_travel_is_no_delay() -> None:
+    rubs = [ArmLaw('presliding_friction', [size], j, 0.003) for j, size in enumerate((9., 5., 1.))]
+    reading = Reading.of(Channels([arm_recording(rubs, friction=False)], ArmDynamics(URDF)))
+    lags = {lag: reading.late(lag).evidence().nat for lag in (-0.02, 0.0, 0.02, 0.04)}
+    assert max(lags, key=lambda lag: lags[lag]) == 0.0, lags
+
+
+def test_a_load_that_leaves_no_mass_of_its_link_is_unlikely() -> None:
+    load = ArmLaw('payload', [6.0, 1.2, 0.0, 0.6, 0.06, 0.0, 0.3, 0.0, 0.0, 0.3], 2)
+    one = arm_recording([load], tau=lambda tau: -tau)
+    reading = Reading.of(Channels([one], ArmDynamics(URDF)))
+    found = reading.but(load=8.0).evidence()
+    assert found.load < -2.0 * reading.arm.masses[-1] and found.nat < reading.evidence().nat
+
+
+def test_a_gain_of_all_torques_below_the_span_of_published_ones_is_not_refused() -> None:
+    for gain, refused in ((0.75, False), (0.3, True)):
+        one = arm_recording(tau=lambda tau, gain=gain: gain * tau)
+        checks = check_reading(Reading.of(Channels([one], ArmDynamics(URDF))))
+        assert [one.fatal for one in checks if not one.ok] == [refused], checks

@@ -90,11 +90,11 @@ DRIVE = (
         'joint_spring', 'elastic_law', 'tau += K d + tau_m, d = q - q_m, q_m the mean position',
         (('K', 'N m/rad'), ('tau_m', 'N m')), lambda motion, j, _: _powers(motion, j, 1),
         possible=lambda theta: bool(theta[0] >= 0.0)),
-    # A counterweight, or a spring across a joint.
+    # A counterweight, or a spring or an accumulator across a joint.
     JointEffect(
-        'counterbalance', 'elastic_law', 'tau += A sin(q) + B cos(q)',
-        (('A', 'N m'), ('B', 'N m')),
-        lambda motion, j, _: (np.sin(motion.q[:, j]), np.cos(motion.q[:, j]))),
+        'counterbalance', 'elastic_law', 'tau += A sin(q) + B cos(q) + tau_0',
+        (('A', 'N m'), ('B', 'N m'), ('tau_0', 'N m')), lambda motion, j, _: (
+            np.sin(motion.q[:, j]), np.cos(motion.q[:, j]), np.ones(len(motion.q)))),
     JointEffect(
         'polynomial_stiffness', 'elastic_law',
         'tau += K d + tau_m + K_2 d^2 + K_3 d^3, d = q - q_m',

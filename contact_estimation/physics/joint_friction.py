@@ -13,9 +13,9 @@ from .joint_effect import JointEffect, JointMotion, Place, positive
 from .numeric import Array, SIGN_VELOCITY
 from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
-from .stribeck_friction import StribeckFriction
 
 _SHARP = 0.02  # of the speed of a joint: width of its sgn where a law has another shape
+_TRAVELS = (0.001, 0.003, 0.01, 0.03)  # over which dry friction of gears reverses [rad]
 
 
 def _law(effect: Any, v: Array, per_speed: Any = 1.0) -> Array:
@@ -33,24 +33,24 @@ def _of_speed(*shares: float) -> Callable[[JointMotion, Place], tuple[float, ...
     return lambda motion, place: tuple(float(share * motion.speed[place]) for share in shares)
 
 
-def _sharp(motion: JointMotion, j: int) -> Array:
-    return sign(motion.v[:, j], _SHARP * motion.speed[j])
+def _reversing(motion: JointMotion, j: int, travel: float) -> Array:
+    """Return Dahl's z for F_c = 1, driven by the position; sgn(q') at a single instant."""
+    if not motion.period:
+        return sign(motion.v[:, j], _SHARP * motion.speed[j])
+    law = PreslidingFriction(F_c=1.0, sigma=1.0 / travel)
+    t = motion.period * np.arange(len(motion.q), dtype=float)
+    return law.states_along(t, motion.q[:, j], motion.v[:, j], np.ones(len(t), bool))[1]
 
 
 def _stribeck(motion: JointMotion, j: int, v_s: float) -> tuple[Array, Array]:
     """Return the law for F_c = 1 and for F_s = 1 alone."""
-    per_speed = SIGN_VELOCITY / (_SHARP * motion.speed[j])
-    first, second = (
-        _law(StribeckFriction(1.0 - k, k, float(v_s * per_speed)), motion.v[:, j], per_speed)
-        for k in (0.0, 1.0))
-    return first, second
+    rubs, drop = _reversing(motion, j, _TRAVELS[0]), np.exp(-(motion.v[:, j] / v_s) ** 2)
+    return rubs * (1.0 - drop), rubs * drop
 
 
-def _presliding(motion: JointMotion, j: int, travel: float) -> tuple[Array]:
-    """Return Dahl's z for F_c = 1, driven by the position."""
-    law = PreslidingFriction(F_c=1.0, sigma=1.0 / travel)
-    t = motion.period * np.arange(len(motion.q), dtype=float)
-    return (law.states_along(t, motion.q[:, j], motion.v[:, j], np.ones(len(t), bool))[1],)
+def _load_dependent(motion: JointMotion, j: int, travel: float) -> tuple[Array, Array]:
+    rubs = _reversing(motion, j, travel)
+    return rubs, np.abs(motion.load[:, j]) * rubs
 
 
 def _coupled(motion: JointMotion, place: Place, shape: float) -> dict[int, Array]:
@@ -85,14 +85,13 @@ FRICTION = (
     JointEffect(
         'presliding_friction', equation="tau += z, z' = (q' / travel) (F_c - z sgn q')",
         coefficients=(('F_c', 'N m'),), shape=('travel', 'rad'),
-        shapes=lambda motion, j: (0.001, 0.003, 0.01, 0.03), law=_presliding, **_DRY),
+        shapes=lambda motion, j: _TRAVELS,
+        law=lambda motion, j, travel: (_reversing(motion, j, travel),), **_DRY),
     # Teeth rub in proportion to what they carry: Hamon, Gautier, Garrec and Janot, IROS 2010.
     JointEffect(
-        'load_dependent_friction', equation="tau += (F_c + mu |load|) sgn(q')",
-        coefficients=(('F_c', 'N m'), ('mu', '1')),
-        law=lambda motion, j, _: (
-            _sharp(motion, j), np.abs(motion.load[:, j]) * _sharp(motion, j)),
-        **{**_DRY, 'laws': 1}),
+        'load_dependent_friction', equation='tau += (F_c + mu |load|) z / F_c',
+        coefficients=(('F_c', 'N m'), ('mu', '1')), shape=('travel', 'rad'),
+        shapes=lambda motion, j: _TRAVELS, law=_load_dependent, **{**_DRY, 'laws': 1}),
     JointEffect(
         'viscous_friction', equation="tau += B q'", coefficients=(_B,), possible=positive,
         law=lambda motion, j, _: (motion.v[:, j],), **_VISCOUS),

@@ -98,6 +98,7 @@ class Candidate(NamedTuple):
     evidence: ReadingEvidence
     places: float = 1.0  # as likely ways of its kind
     brief: str = ''  # in a list
+    fatal: bool = True
 
 
 def _exchanged(reading: Reading) -> Iterator[Candidate]:
@@ -158,7 +159,8 @@ def _scaled(reading: Reading) -> Iterator[Candidate]:
             f'the torque of {where} is {gain:.3g} times that in N m: '
             + ('multiply currents by motor constant and gear ratio, N mm by 0.001' if gain > 0.0
                else 'publish the torque that the drive applies to the joint')), other, found,
-            1.0 if j < 0 else len(reading.joints), f'gain of {where} ({gain:.2g})')
+            1.0 if j < 0 else len(reading.joints), f'gain of {where} ({gain:.2g})',
+            gain < 0.0 or abs(log(gain)) > _LAW_GAIN)
     other = reading.but(scale=0.0 * reading.scale)
     yield Candidate('torque_external', (
         'the torques show none of the weight and inertia of the arm: an estimate of external '
@@ -194,7 +196,7 @@ def _late(reading: Reading) -> Iterator[Candidate]:
         brief = f'{1e3 * _LAG_S * abs(k):.0f} ms {word}'
         yield Candidate('clock_offset' if abs(k) > 1 else '', (
             f'torques are stamped about {brief} than positions, or a joint yields; stamp both '
-            'when they are measured'), other, other.evidence(), 2.0 * _LAGS, brief)
+            'when they are measured'), other, other.evidence(), 2.0 * _LAGS, brief, False)
 
 
 def _loaded(reading: Reading) -> Iterator[Candidate]:
@@ -205,7 +207,7 @@ def _loaded(reading: Reading) -> Iterator[Candidate]:
         yield Candidate('tool' if found.lacking > 2.0 * _ODDS else '', (
             f'the description has about {-found.load:.2g} kg more at {reading.arm.links[-1]} than '
             'the arm: a hand or a tool that is not mounted; remove its <inertial>, or mount it'),
-            other, found, brief=f'a hand of {-found.load:.2g} kg')
+            other, found, brief=f'a hand of {-found.load:.2g} kg', fatal=False)
 
 
 _WAYS = (_exchanged, _turned, _scaled, _mounted, _late, _loaded)
@@ -223,8 +225,6 @@ _READ = {
 }
 """What is right, by check."""
 
-_HARMLESS = 'clock_offset', 'tool'
-
 
 def check_reading(reading: Reading) -> list[Check]:
     """Say which readings are likelier than the recording as it is, and which are as likely."""
@@ -240,8 +240,7 @@ def check_reading(reading: Reading) -> list[Check]:
                      for wrong in (True, False))
         lawful = odds(law) > 0.0
         if odds(best) > max(odds(law), 0.0) + _ODDS:
-            told[best.check] = Check(best.check, False, best.text,
-                                     fatal=best.check not in _HARMLESS)
+            told[best.check] = Check(best.check, False, best.text, fatal=best.fatal)
             reading, found = best.reading, best.evidence
             continue
         if lawful:

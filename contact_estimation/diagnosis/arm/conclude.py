@@ -175,14 +175,12 @@ def _plain_friction(
     """Return F_c and B of sharp Coulomb and viscous friction nearest to a joint's laws."""
     model, theta = named.model.found[0], named.model.found[1].theta
     # Where one is named, those too small for a name belong to its friction.
-    laws = [] if all(term.place != j or JOINT_EFFECTS[term.effect].family != 'friction'
-                     for term in terms) else [
-        term for term in sorted(model, key=repr) if term.place == j
-        and JOINT_EFFECTS[term.effect].family == 'friction']
+    laws, names = ([term for term in every if term.place == j and JOINT_EFFECTS[
+        term.effect].family == 'friction'] for every in (sorted(model, key=repr), terms))
+    if not names:
+        return 0.0, 0.0
     plain = [next(term for term in channels.terms if term[:2] == (name, j))
              for name in ('coulomb_friction', 'viscous_friction')]
-    if not laws:
-        return 0.0, 0.0
     rows = [(np.concatenate([one.columns[term][j] for term in plain], axis=1),
              np.sum([one.columns[term][j] @ theta[term] for term in laws], axis=0))
             for one in channels.pieces]

@@ -29,8 +29,9 @@ from ...physics.joint_effects import JOINT_EFFECTS
 
 CALIBRATION = Term('calibration')
 SENSOR = Term('sensor')  # gain and zeros of the torque of a joint, as far as they are no finding
-# Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %.
-GAIN_STD = 0.15
+# Of the torques' gains: two published sets for one arm (UR10e) differ by 13 to 49 %, 0.24 rms in
+# the logarithm, so that each is off by 1 / sqrt(2) of that.
+GAIN_STD = 0.17
 INEXACT = 0.05  # standard deviation of what a description knows of each link, relative
 GAIN_KNOWN = 0.02  # the same of the gain of a sensor that was calibrated
 # The same of its zero in each recording, in the size of the torque: so large are those of the
