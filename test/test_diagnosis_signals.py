@@ -32,17 +32,30 @@ from numpy.typing import NDArray
 import pytest
 
 
+def early(seconds: float, **changes: Any) -> tuple[Any, dict[str, str]]:
+    """Diagnose a recording whose wrenches are stamped early; return what checks say, too."""
+    signals = recorded(**changes)
+    found = diagnose(Recording('early.mcap', signals._replace(
+        joint_t=signals.joint_t + seconds, reference_t=signals.reference_t + seconds)), nominal())
+    return found, {check.name: check.text for check in found.checks if not check.ok}
+
+
 @pytest.mark.slow
 def test_stamps_before_the_event_are_no_mass_and_no_memory() -> None:
-    early = -0.004
-    signals = recorded()
-    found = diagnose(Recording('early.mcap', signals._replace(
-        joint_t=signals.joint_t - early, reference_t=signals.reference_t - early)), nominal())
-    failed = {check.name: check.text for check in found.checks if not check.ok}
+    found, failed = early(0.004)
     assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
     assert 'wrench is stamped early' in failed['clock_offset']
     remedy = re.search(r'set synchronisation.offset to (-?[\d.]+) s', failed['clock_offset'])
-    assert remedy and float(remedy[1]) == pytest.approx(early, rel=0.1)
+    assert remedy and float(remedy[1]) == pytest.approx(-0.004, rel=0.1)
+
+
+@pytest.mark.slow
+def test_friction_is_named_though_stamps_are_before_the_event() -> None:
+    found, failed = early(0.004, **physics('coulomb_friction', 3.0))
+    assert list(failed) == ['clock_offset'] and not found.refused
+    effect, = found.effects
+    assert effect.family == 'friction'
+    assert found.stiffness.value == pytest.approx(nominal().environment.stiffness, rel=0.1)
 
 
 def recorded_with_hold(period: float, **changes: Any) -> Recording:
