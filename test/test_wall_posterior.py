@@ -126,10 +126,16 @@ def test_a_zero_that_has_drifted_in_a_contact_changes_no_stiffness(
     assert within(known.stiffness, K, known.published_stds[0], 3.0)
 
 
-def test_a_wall_that_a_controlled_force_follows_outward_is_in_contact() -> None:
+@pytest.mark.parametrize('location', [0.0, nan])
+@pytest.mark.parametrize('follows', [-0.02, -5e-4, 0.01, 0.03])
+def test_a_wall_that_a_controlled_force_follows_is_in_contact(
+    follows: float, location: float,
+) -> None:
     samples = contact(spring_damper(K, B), 4.0, shaken=0.0)
-    x = samples.x - 5e-4 * ramp(2.0, 0.5, 1.0)(samples.t)[0]
-    assert fed(samples._replace(x=x)).contact.state == CONTACT
+    x = samples.x + ramp(2.0, 1.5, follows)(samples.t)[0]
+    posterior = WallPosterior(location, 2e-3, NO_LAG)
+    states = [posterior.take(t, f, at) for t, f, at in zip(samples.t, samples.force, x)]
+    assert set(states[1000:]) == {CONTACT}
 
 
 def test_a_wall_that_presses_less_after_a_pull_is_in_contact() -> None:

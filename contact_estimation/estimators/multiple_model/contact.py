@@ -50,6 +50,7 @@ class ContactFilter:
         self._segment, self._rise = Segment(), Segment()
         self._stepped = 0.0, 0.0  # the level if it has stepped, and its variance
         self._look_s = SEGMENT_S  # when a force is compared with the travel
+        self._pressed = 0.0  # greatest force of a contact that has grown with the depth [N]
         self._colour, self._surface = Colour(), nan  # where it may begin at most [m]
 
     def expect_noise(self, least: float) -> None:
@@ -136,6 +137,7 @@ class ContactFilter:
         """Forget what tests have collected; a level that steps does so by as much as a force."""
         self._up = self._down = 0.0
         self._segment.clear()
+        self._pressed = 0.0
         self._stepped = self.level, (self._noise[1] - self.level) ** 2
 
     def _variance_with(self, force: float) -> float:
@@ -198,9 +200,11 @@ class ContactFilter:
         for dt, force, place in zip(dts, forces, places):
             count += 1
             variance = self._variance_with(force)
-            z = (force - level) / sqrt(variance + self.level_variance)
+            pressing = force - level
+            z = pressing / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-            down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if z > _PRESSES else 0.0)
+            remains = z > _PRESSES and not 0.0 < self._pressed < 2.0 * pressing
+            down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if remains else 0.0)
             down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
             seconds += dt
             if down > RELEASE:
@@ -212,9 +216,10 @@ class ContactFilter:
             if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
                 kept = count
-                if segment.excludes_wall_near(variance, level, self._surface) or (
-                        self._look_s < SEGMENT_S and segment.excludes_wall_from(
-                            self.onset, variance, level)):
+                if not self._still_presses(variance) and (
+                        segment.excludes_wall_near(variance, level, self._surface) or (
+                            self._look_s < SEGMENT_S and segment.excludes_wall_from(
+                                self.onset, variance, level))):
                     self.set_level(*segment.mean(variance))
                     self.state = FREE
                     break
@@ -225,6 +230,17 @@ class ContactFilter:
         segment.add(seconds, xs[kept:count], forces[kept:count])
         self._up, self._down = up, down
         return count
+
+    def _still_presses(self, variance: float) -> bool:
+        """
+        Return whether the force has grown with the depth, and not fallen to half since.
+
+        No zero steps by just what a wall gives way: such a wall creeps, or moves.
+        """
+        pressing = self._segment.mean(variance)[0] - self.level
+        if self._pressed or self._segment.is_line(CLIP * CLIP * variance):
+            self._pressed = max(self._pressed, pressing)
+        return 2.0 * pressing > self._pressed > 0.0
 
     def _in_neither(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         """Judge samples by the level as known, and by one that has stepped to the force since."""
