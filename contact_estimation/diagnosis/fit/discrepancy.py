@@ -31,11 +31,11 @@ from ...physics.numeric import Array
 
 UNCERTAINTIES = (
     ('impedance_mismatch', (1.0, 1.0, 1.002), ''),
-    ('command_delay', (0.1,), 'h'),
+    ('command_delay', (0.02,), 'h'),
     ('force_delay', (3e-5,), 'pace'),
 )
 """Effects at one standard deviation, and what of a recording multiplies it: M_t is known to 0.2 %,
-the instant at which a robot takes a setpoint to a tenth of a sample, stamps to 0.03 ms."""
+the instant at which a robot takes a setpoint to a fiftieth of a sample, stamps to 0.03 ms."""
 
 # Of the range of the force: most that a cable or a hose pulls, over the stroke, and dry friction
 # that every robot has.

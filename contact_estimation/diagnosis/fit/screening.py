@@ -27,7 +27,7 @@ Tones = tuple[Tone, ...]
 _LEAST = 1e-30  # in any unit
 _PEAKS, _HIGHEST_HZ = 3, 12.0
 _STRONG, _ALIKE = 40, 1e-3  # frequencies that are tried in pairs; relative singular value
-_BINS = 1024  # of the way
+_BINS = 16384  # of the way: eight in each of 2048 periods
 _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
 
