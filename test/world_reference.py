@@ -5,15 +5,12 @@
 
 from typing import Any, Callable
 
-from contact_estimation.parameters import build, ParameterGroup
-from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.effect import Effect
+from contact_estimation.parameters import build
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth, World
 from effect_examples import switched_on
 import numpy as np
 from numpy.typing import NDArray
-import pytest
 from scipy.integrate import solve_ivp
 
 M_t, B_t, K_t = 50.0, 1000.0, 5000.0
@@ -105,24 +102,11 @@ def simulate(
     return truths
 
 
-def plant_with(physics: ParameterGroup | None = None, **values: Any) -> PlantParameters:
+def plant_with(**values: Any) -> PlantParameters:
     """Make plant parameters; double underscores stand for the dots of parameter names."""
-    made = build(PlantParameters, {k.replace('__', '.'): v for k, v in values.items()})
-    if physics is not None:
-        object.__setattr__(made, 'physics', physics)
-    return made
+    return build(PlantParameters, {k.replace('__', '.'): v for k, v in values.items()})
 
 
 def with_effect(name: str, **values: Any) -> PlantParameters:
     """Make plant parameters with one effect of a plausible size."""
-    return build(PlantParameters, {
-        **switched_on(name), **{k.replace('__', '.'): v for k, v in values.items()},
-    })
-
-
-def register(monkeypatch: pytest.MonkeyPatch, effect: type[Effect]) -> Any:
-    """Register an effect for one test and give physics in which it is on."""
-    monkeypatch.setitem(EFFECTS, effect.name, effect)
-    groups = {name: cls() for name, cls in EFFECTS.items()}
-    groups[effect.name] = effect(1.0)  # type: ignore[call-arg]
-    return type('Physics', (), groups)()
+    return plant_with(**switched_on(name), **values)

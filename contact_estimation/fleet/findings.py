@@ -41,9 +41,19 @@ class Trend(NamedTuple):
     # and the change over all recordings is resolved
     significant: bool
 
+    @property
+    def first(self) -> float:
+        """Value of the line at the first recording."""
+        return self.intercept + self.slope * float(self.numbers[0])
+
+    @property
+    def in_days(self) -> bool:
+        """Whether the stamps tell days."""
+        return bool(np.isfinite(self.per_day))
+
     def percent(self, slope: float) -> float:
         """Convert a slope."""
-        return 100.0 * slope / abs(self.intercept + self.slope * float(self.numbers[0]))
+        return 100.0 * slope / abs(self.first)
 
 
 def trends(entries: Sequence[Entry]) -> list[Trend]:

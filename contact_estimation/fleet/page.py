@@ -1,11 +1,7 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""
-The fleet as one self-contained HTML page, `fleet.html`.
-
-`prepare_NAME` makes the data of a section; one whose data are None is left out.
-"""
+"""The fleet as one self-contained HTML page; `fleet.html` is its text."""
 
 from collections import Counter
 from datetime import datetime, timezone
@@ -15,7 +11,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from .findings import by_group, differences, QUANTITIES, Trend, trends
-from .run import Fleet, PooledResult
+from .run import Fleet
 from .table import Entry
 from ..diagnosis.report import page as diagnosis_page
 from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
@@ -118,179 +114,20 @@ def probability(chance: float) -> str:
     return 'p < 0.0001' if chance < 1e-4 else f'p = {chance:.2g}'
 
 
-def prepare_changes(fleet: Fleet) -> dict[str, Any] | None:
-    """Return the changes and a figure of all names; None where nothing is named."""
-    if not any(entry.families for entry in fleet.entries):
-        return None
-    return {
-        'changes': [
-            {'change': change, 'family': words(change.family), 'start': start_of(change.entry),
-             'chance': probability(change.chance)}
-            for change in fleet.changes],
-        'figure': plot_names(fleet.entries),
-    }
-
-
-def prepare_differences(fleet: Fleet) -> dict[str, Any] | None:
-    """Return a row for each difference; None with a single group."""
-    if len({entry.group for entry in fleet.entries}) < 2:
-        return None
-    return {'rows': [
-        {'one': one, 'chance': probability(one.chance),
-         'what': ' '.join((QUANTITIES[one.what][0], f'[{QUANTITIES[one.what][1]}]'))
-         if one.is_quantity else words(one.what)}
-        for one in differences(fleet.entries)
-    ]}
-
-
-def prepare_errors(fleet: Fleet) -> dict[str, Any] | None:
-    """Return the recordings with an error or a failed check; None if there are none."""
-    found = [(entry, entry.outcome['error']) for entry in fleet.failed]
-    for entry in fleet.entries:
-        if entry.outcome['report'] and entry.report is None:
-            found.append((entry, '; '.join(
-                f'{words(check["name"])}: {check["text"]}'
-                for check in entry.outcome['report']['checks'] if not check['ok'])))
-    return {'found': found} if found else None
-
-
-def prepare_names(fleet: Fleet) -> dict[str, Any] | None:
-    """Return the counts of each name in each group; None where nothing is named."""
-    groups = by_group(fleet.entries)
-    names = sorted({effect['name'] for entry in fleet.entries for effect in entry.effects})
-    if not names:
-        return None
-    return {
-        'names': [words(name) for name in names],
-        'rows': [{'group': group,
-                  'diagnosed': sum(entry.report is not None for entry in members),
-                  'cells': [_cell(members, name) for name in names]}
-                 for group, members in groups.items()],
-    }
-
-
-def _cell(members: Sequence[Entry], name: str) -> dict[str, Any] | None:
-    """Return how often a name occurs, and where first."""
-    named = [entry for entry in members if any(effect['name'] == name for effect in entry.effects)]
-    if not named:
-        return None
-    return {'count': len(named), 'entry': named[0], 'start': start_of(named[0])}
-
-
-def prepare_pooled(fleet: Fleet) -> dict[str, Any] | None:
-    """Return the pooled diagnosis of each group; None if there is none."""
-    return {'groups': [_group(one) for one in fleet.pooled]} if fleet.pooled else None
-
-
-def _group(result: PooledResult) -> dict[str, Any]:
-    report = result.whole['report']
-    families = _families(report)
-    rows = [_left_out(entry, outcome, families)
-            for entry, outcome in zip(result.pool.members, result.left_out)]
-    return {
-        'name': result.pool.group, 'since': result.pool.since, 'page': result.page,
-        'report': report, 'error': result.whole['error'], 'rows': rows,
-        'verdict': words(report['verdict']) if report else '',
-        'same': sum(row['same'] for row in rows),
-    }
-
-
-def _left_out(entry: Entry, outcome: dict[str, Any], families: list[str]) -> dict[str, Any]:
-    """Return what the other recordings name, and how they predict the one left out."""
-    report = outcome['report']
-    if report is None:
-        return {'entry': entry, 'same': False, 'force': None, 'error': outcome['error']}
-    return {'entry': entry, 'same': _families(report) == families,
-            'names': [words(effect['name']) for effect in report['effects']],
-            'force': report['fit']['force_rmse_n'], 'noise': report['fit']['noise_floor_n']}
-
-
-def _families(report: dict[str, Any] | None) -> list[str]:
-    return sorted({effect['family'] for effect in report['effects']}) if report else []
-
-
-def prepare_recordings(fleet: Fleet) -> dict[str, Any]:
-    """Return the recordings of each group."""
-    groups = by_group(fleet.entries)
-    return {'groups': [(group, [_row(entry) for entry in members])
-                       for group, members in groups.items()]}
-
-
-def _row(entry: Entry) -> dict[str, Any]:
-    report = entry.outcome['report']
-    return {
-        'entry': entry, 'start': start_of(entry),
-        'verdict': words(report['verdict']) if report else 'error',
-        'names': ', '.join(words(effect['name']) for effect in entry.effects),
-        'stiffness': entry.corrected('stiffness'), 'damping': entry.corrected('damping'),
-    }
-
-
-def prepare_summary(fleet: Fleet) -> dict[str, Any]:
-    """Return counts and findings."""
-    verdicts = Counter(words(entry.report['verdict']) for entry in fleet.entries if entry.report)
-    findings = [
-        f'{one.group}: {words(one.family)} {"appears" if one.rises else "disappears"} from '
-        f'recording {one.number} of the group on (number {one.entry.number} of all, '
-        f'{one.entry.name})' for one in fleet.changes]
-    for trend in trends(fleet.entries):
-        if trend.significant:
-            slope, low, high, _ = signed_percents(trend)
-            findings.append(f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % '
-                            f'per recording (95 % interval {low} to {high})')
-    findings += [f'{group} differs from the other groups in {", ".join(what)}'
-                 for group, what in _different(fleet).items()]
-    return {
-        'recordings': len(fleet.entries), 'failed': len(fleet.failed),
-        'refused': sum(entry.outcome['report'] is not None and entry.report is None
-                       for entry in fleet.entries),
-        'groups': len({entry.group for entry in fleet.entries}),
-        'verdicts': verdicts.most_common(), 'findings': findings,
-        'version': fleet.settings.version,
-    }
-
-
-def _different(fleet: Fleet) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for one in differences(fleet.entries):
-        what = QUANTITIES[one.what][0] if one.is_quantity else words(one.what)
-        found.setdefault(one.group, []).append(what)
-    return found
-
-
-def prepare_trends(fleet: Fleet) -> dict[str, Any] | None:
-    """Return a row and a figure for each group and quantity; None without any value."""
-    found = trends(fleet.entries)
-    if not found:
-        return None
-    named = {entry.group: [] for entry in fleet.entries}  # type: dict[str, list[bool]]
-    for entry in fleet.entries:
-        named[entry.group].append(bool(entry.families))
-    return {
-        'rows': [_trend_row(trend) for trend in found],
-        'figures': [(f'{QUANTITIES[trend.quantity][0]} of {trend.group} over its recordings',
-                     plot_trend(trend, named[trend.group])) for trend in found],
-        'per_day': any(isfinite(trend.per_day) for trend in found),
-    }
-
-
-def _trend_row(trend: Trend) -> dict[str, Any]:
-    symbol, unit = QUANTITIES[trend.quantity]
-    slope, low, high, per_day = signed_percents(trend)
-    return {
-        'group': trend.group, 'symbol': f'{symbol} [{unit}]', 'count': len(trend.values),
-        'first': trend.intercept + trend.slope * float(trend.numbers[0]),
-        'slope': slope, 'interval': f'{low} to {high}' if slope else '', 'per_day': per_day,
-        'significant': trend.significant,
-    }
-
-
 def as_html(fleet: Fleet) -> str:
     """Build the page."""
     environment = diagnosis_page.environment(__package__, 'contact_estimation.diagnosis.report')
+    environment.filters.update(
+        words=words, start=start_of, chance=probability, signed_percents=signed_percents,
+        naming=lambda entries, name: [one for one in entries if name in one.names])
+    groups, found = by_group(fleet.entries), trends(fleet.entries)
+    verdicts = Counter(one.report['verdict'] for one in fleet.entries if one.report)
+    names = sorted({name for one in fleet.entries for name in one.names})
     return environment.get_template('fleet.html').render(
-        verdict='fleet', title=f'{len(fleet.entries)} recordings',
-        summary=prepare_summary(fleet), changes=prepare_changes(fleet),
-        trends=prepare_trends(fleet), differences=prepare_differences(fleet),
-        names=prepare_names(fleet), pooled=prepare_pooled(fleet), errors=prepare_errors(fleet),
-        recordings=prepare_recordings(fleet))
+        verdict='fleet', title=f'{len(fleet.entries)} recordings', fleet=fleet, groups=groups,
+        quantities=QUANTITIES, verdicts=verdicts.most_common(), names=names,
+        names_figure=names and plot_names(fleet.entries),
+        trends=found, trend_plots=[
+            plot_trend(trend, [bool(entry.families) for entry in groups[trend.group]])
+            for trend in found],
+        differences=differences(fleet.entries))

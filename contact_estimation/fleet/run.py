@@ -85,6 +85,16 @@ class PooledResult(NamedTuple):
     page: str  # its page, relative to the folder of the run; '' without
     left_out: list[Outcome]  # outcome of the others, tested on each member
 
+    @property
+    def same(self) -> int:
+        """Number of members without which the families named are those of the whole."""
+        return sum(_families(one) == _families(self.whole) for one in self.left_out
+                   if one['report'])
+
+
+def _families(outcome: Outcome) -> set[str]:
+    return {effect['family'] for effect in outcome['report']['effects']}
+
 
 def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[Pool]:
     """Choose the recordings of each group that are diagnosed together."""
@@ -134,6 +144,11 @@ class Fleet:
     def failed(self) -> list[Entry]:
         """Return the recordings with an error."""
         return [entry for entry in self.entries if entry.outcome['error']]
+
+    @property
+    def refused(self) -> list[Entry]:
+        """Return the recordings that a check refused."""
+        return [entry for entry in self.entries if entry.outcome['report'] and not entry.report]
 
     @property
     def identical(self) -> int:

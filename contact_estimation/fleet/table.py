@@ -100,6 +100,11 @@ class Entry:
         return None if refused else report
 
     @property
+    def names(self) -> list[str]:
+        """Names of the effects, strongest first."""
+        return [effect['name'] for effect in self.effects]
+
+    @property
     def families(self) -> list[str]:
         """Families of the named effects, strongest first."""
         return list(dict.fromkeys(effect['family'] for effect in self.effects))

@@ -144,9 +144,7 @@ def _motion(model: RobotModel, q: Array, mount: Array) -> tuple[Array, Array, Ar
 
 def _turn(R_from: Array, R_to: Array) -> Array:
     """Return the rotation vector between orientations in the first one's frame, (N, 3) [rad]."""
+    from scipy.spatial.transform import Rotation  # slow to import, and only arms need it
+
     step = np.einsum('nji,njk->nik', R_from, R_to)
-    vector = 0.5 * np.stack((step[:, 2, 1] - step[:, 1, 2], step[:, 0, 2] - step[:, 2, 0],
-                             step[:, 1, 0] - step[:, 0, 1]), axis=1)
-    sine = np.linalg.norm(vector, axis=1, keepdims=True)
-    cosine = 0.5 * (np.trace(step, axis1=1, axis2=2)[:, None] - 1.0)
-    return vector * np.where(sine > 1e-9, np.arctan2(sine, cosine) / np.maximum(sine, 1e-9), 1.0)
+    return np.asarray(Rotation.from_matrix(step).as_rotvec())

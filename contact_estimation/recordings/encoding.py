@@ -105,50 +105,36 @@ class JointStateEncoder:
     """Write sensor_msgs/msg/JointState of one joint, without effort."""
 
     def __init__(self, frame_id: str, joint: str, with_velocity: bool) -> None:
-        self._head = _aligned(_head(frame_id, joint) + _ONE, 8)
-        self._with_velocity = with_velocity
-        velocity = 'I4xd' if with_velocity else 'I'
-        self._pack = Struct(f'<4siI{len(self._head)}sd{velocity}I').pack
+        self._frame_id, self._names, self._with_velocity = frame_id, (joint,), with_velocity
 
     def encode(self, stamp_ns: int, position: float, velocity: float) -> bytes:
         """Return the message with this stamp [ns], position [m] and velocity [m/s]."""
-        values = (1, velocity, 0) if self._with_velocity else (0, 0)
-        return self._pack(
-            _LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, position, *values)
+        return encode_arm(stamp_ns, self._names, (position,),
+                          (velocity,) if self._with_velocity else (), (), frame_id=self._frame_id)
 
 
 class TrajectoryEncoder:
     """Write trajectory_msgs/msg/JointTrajectory with one point, due at its stamp, of one joint."""
 
     def __init__(self, frame_id: str, joint: str) -> None:
-        self._head = _aligned(_head(frame_id, joint) + _ONE + _ONE, 8)
-        # Three more sequences of one element, then time_from_start.
-        self._pack = Struct(f'<4siI{len(self._head)}sd' + 'I4xd' * 3 + '8x').pack
+        self._frame_id, self._names = frame_id, (joint,)
 
-    def encode(
-        self,
-        stamp_ns: int,
-        position: float,
-        velocity: float,
-        acceleration: float,
-        effort: float,
-    ) -> bytes:
+    def encode(self, stamp_ns: int, *point: float) -> bytes:
         """Return the message with this stamp [ns] and point [m], [m/s], [m/s^2], [N]."""
-        return self._pack(
-            _LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head,
-            position, 1, velocity, 1, acceleration, 1, effort,
-        )
+        return encode_arm(stamp_ns, self._names, *((value,) for value in point), point=True,
+                          frame_id=self._frame_id)
 
 
 def encode_arm(
-    stamp_ns: int, names: Sequence[str], *rows: Sequence[float] | Array, point: bool = False
+    stamp_ns: int, names: Sequence[str], *rows: Sequence[float] | Array, point: bool = False,
+    frame_id: str = '',
 ) -> bytes:
     """
     Write sensor_msgs/msg/JointState, or JointTrajectory with one `point`, of all joints.
 
     rows (n,) or (0,): positions, then each rate and the efforts; empty for what is not published
     """
-    data = _head('', *names) + (_ONE if point else b'')
+    data = _head(frame_id, *names) + (_ONE if point else b'')
     for values in rows:
         data = _aligned(data, 4) + len(values).to_bytes(4, 'little')
         if len(values):

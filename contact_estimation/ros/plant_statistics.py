@@ -6,18 +6,15 @@
 import time
 from typing import Any, Sequence
 
+import numpy as np
+
 
 def percentiles(values: Sequence[float]) -> dict[str, float | None]:
     """Return median, 99th percentile and maximum."""
-    ordered = sorted(values)
-    if not ordered:
-        return {'p50': None, 'p99': None, 'max': None}
-    last = len(ordered) - 1
-    return {
-        'p50': ordered[min(last, len(ordered) // 2)],
-        'p99': ordered[min(last, int(0.99 * len(ordered)))],
-        'max': ordered[-1],
-    }
+    names = 'p50', 'p99', 'max'
+    if not values:
+        return dict.fromkeys(names)
+    return dict(zip(names, np.percentile(values, (50, 99, 100), method='higher').tolist()))
 
 
 class PlantStatistics:

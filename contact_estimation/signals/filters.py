@@ -3,7 +3,6 @@
 
 """The low-pass filter of all signals, and smoothed rates for accelerations."""
 
-from functools import lru_cache
 from math import pi, sqrt, tan
 from typing import Sequence
 
@@ -36,15 +35,6 @@ class ButterworthBank:
             self._design(tan(pi * cutoff_frequency / sample_rate))
         self._channels = range(channels)
         self.reset()
-
-    @property
-    def coefficients(self) -> tuple[float, float, float]:
-        """
-        Return b0, a1 and a2 of y = b0 (x + 2 x[-1] + x[-2]) - a1 y[-1] - a2 y[-2].
-
-        With b0 x in place of x, and y = x + s1: s1 <- 2 x - a1 y + s2, s2 <- x - a2 y.
-        """
-        return self._b0, self._a1, self._a2
 
     def _design(self, w: float) -> None:
         """
@@ -109,8 +99,6 @@ def smoothed_rate(
     Return the rate of an evenly sampled signal, by parabolas through a moving window.
 
     The filter of Savitzky and Golay (1964): without lag, and exact for parabolas up to both ends.
-    The same as `scipy.signal.savgol_filter`, which fits the ends afresh at each call and takes ten
-    times as long.
 
     values (N,): the signal, any unit
     period_s: time between its samples, > 0 [s]
@@ -118,18 +106,9 @@ def smoothed_rate(
     Returns rate (N,): in the unit of the signal per second; of fewer than five samples by plain
     differences, of a single one 0
     """
+    from scipy.signal import savgol_filter  # slow to import, and no node needs it
+
     if len(values) < _LEAST:
         return np.gradient(values, period_s) if len(values) > 1 else np.zeros(len(values))
     window = min(2 * max(_LEAST // 2, round(0.5 * window_s / period_s)) + 1, (len(values) - 1) | 1)
-    weights, half = _weights(window), window // 2
-    inner = np.convolve(values, weights[half, ::-1], 'valid')
-    ends = weights[:half] @ values[:window], weights[half + 1:] @ values[-window:]
-    return np.concatenate([ends[0], inner, ends[1]]) / period_s
-
-
-@lru_cache(maxsize=8)
-def _weights(window: int) -> NDArray[np.float64]:
-    """Return the weights with which samples give the rate of their parabola at each of them."""
-    k = np.arange(window) - window // 2
-    parabola = np.linalg.pinv(np.stack([np.ones(window), k, k * k], 1))  # (3, window)
-    return np.asarray(parabola[1] + 2.0 * k[:, None] * parabola[2])
+    return np.asarray(savgol_filter(values, window, 2, deriv=1, delta=period_s))

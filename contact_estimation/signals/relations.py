@@ -22,7 +22,6 @@ COLUMNS = 5
 
 
 _ZEROS = (0.0,) * COLUMNS
-_AT_REST = (0.0,) * (2 * COLUMNS)
 
 
 class Relation(ABC):
@@ -119,8 +118,7 @@ class GatedRows:
         self, relation: type[Relation], cutoff_frequency: float, sample_rate: float
     ) -> None:
         self._relation_class, self._T = relation, 1.0 / sample_rate
-        bank = ButterworthBank(COLUMNS, cutoff_frequency, sample_rate)
-        self._filters, self._coefficients = cutoff_frequency > 0.0, bank.coefficients
+        self._bank = ButterworthBank(COLUMNS, cutoff_frequency, sample_rate)
         # The slower pole decays with cutoff / sqrt(2): after this number of samples 1e-9 is left.
         per_radian = sample_rate / (2.0 * pi * cutoff_frequency) if cutoff_frequency else 0.0
         self._tail = ceil(21.0 * sqrt(2.0) * per_radian)
@@ -128,7 +126,7 @@ class GatedRows:
 
     def restart(self) -> None:
         """Start afresh with the next sample."""
-        self._state = _AT_REST
+        self._bank.reset()
         self._tail_left = 0
         self._left = True  # the relations know no sample
         # The second and third build the columns of K_e and x_e where known physics bend them.
@@ -155,26 +153,9 @@ class GatedRows:
         self._tail_left = self._tail
         self._left = False
         if row is None:  # the relation waits for consecutive samples
-            self._filter(_ZEROS)
+            self._bank.take(_ZEROS)
             return None
-        return self._filter(row) if self._filters else row
-
-    def _filter(self, row: Row) -> Row:
-        """Filter as `ButterworthBank`, column by column: a loop over them takes longer."""
-        b0, a1, a2 = self._coefficients
-        r0, r1, r2, r3, r4, s0, s1, s2, s3, s4 = self._state
-        x0, x1, x2, x3, x4 = row
-        x0 *= b0
-        x1 *= b0
-        x2 *= b0
-        x3 *= b0
-        x4 *= b0
-        y0, y1, y2, y3, y4 = x0 + r0, x1 + r1, x2 + r2, x3 + r3, x4 + r4
-        self._state = (
-            x0 + x0 - a1 * y0 + s0, x1 + x1 - a1 * y1 + s1, x2 + x2 - a1 * y2 + s2,
-            x3 + x3 - a1 * y3 + s3, x4 + x4 - a1 * y4 + s4,
-            x0 - a2 * y0, x1 - a2 * y1, x2 - a2 * y2, x3 - a2 * y3, x4 - a2 * y4)
-        return y0, y1, y2, y3, y4
+        return self._bank.take(row)
 
     def leave(self) -> None:
         """Filter the zeros of a sample out of contact, until the response has decayed."""
@@ -183,7 +164,7 @@ class GatedRows:
             for relation in (self._relation, *self._columns):
                 relation.leave()
         if self._tail_left:
-            self._filter(_ZEROS)
+            self._bank.take(_ZEROS)
             self._tail_left -= 1
             if not self._tail_left:
-                self._state = _AT_REST
+                self._bank.reset()

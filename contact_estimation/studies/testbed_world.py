@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .testbed_arm import (
-    FlexibleWallConstants, ImpedanceController, PlanarArm, TESTBED, TestbedConstants, Tip, Triple)
+    FlexibleWallConstants, ImpedanceController, PlanarArm, TESTBED, TestbedConstants, Tip)
 from ..estimators.offline_estimator import TargetImpedance
 from ..estimators.signal_processing_refined import SignalProcessingRefined
 from ..parameters import build
+from ..physics.numeric import Array
 from ..pipeline.session import ContactSession
 from ..plant.closed_loop import ClosedLoopRun, Sensors
 from ..plant.plant_parameters import PlantParameters
@@ -81,8 +82,8 @@ class TestbedWorld:
         self._controller = ImpedanceController(constants, target)
         arm = constants.arm
         self._angles = self._arm.angles_at(arm.surface_x + position, arm.tip_y, arm.tip_angle)
-        self._rates: Triple = (0.0, 0.0, 0.0)
-        self._torques: Triple = (0.0, 0.0, 0.0)
+        self._rates: Array = np.zeros(3)
+        self._torques: Array = np.zeros(3)
         self._wall = WallState(max(0.0, position), 0.0)
         self.t = 0.0
 
@@ -107,36 +108,31 @@ class TestbedWorld:
             self._step(duration / steps)
         self.t += duration
 
-    def _force(self, angles: Triple, rates: Triple, wall: WallState) -> float:
+    def _force(self, angles: Array, rates: Array, wall: WallState) -> float:
         """Compute the pressing force, 0 out of contact."""
         if self._arm.tip_x(angles) - self._p.arm.surface_x < wall.deflection - _CLOSED:
             return 0.0
-        x1, x2, x3 = self._arm.jacobian(angles)[0]
-        rate = x1 * rates[0] + x2 * rates[1] + x3 * rates[2]
+        rate = float(self._arm.jacobian(angles)[0] @ rates)
         return max(0.0, pressing_force(wall, rate, self._p.wall))
 
     def _tip_acceleration(self, force: float) -> float:
-        w1, w2, w3 = self._rates
-        b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
-        (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
-        return (x1 * b1 + x2 * b2 + x3 * b3 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
+        accelerations = self._arm.accelerations(
+            self._angles, self._rates, self._torques, -force)
+        x, y = self._arm.jacobian(self._angles)
+        return float(x @ accelerations - y @ self._rates**2)
 
     def _step(self, h: float) -> None:
         """Integrate one step by the midpoint rule."""
-        (a1, a2, a3), (w1, w2, w3), arm = self._angles, self._rates, self._arm
-        force, before = self._force(self._angles, self._rates, self._wall), self._wall
-        b1, b2, b3 = arm.accelerations(self._angles, self._rates, self._torques, -force)
-        half = 0.5 * h
-        angles = a1 + half * w1, a2 + half * w2, a3 + half * w3
-        rates = w1 + half * b1, w2 + half * b2, w3 + half * b3
-        middle = self._follow(before, angles, half)
-        force = self._force(angles, rates, middle)
-        b1, b2, b3 = arm.accelerations(angles, rates, self._torques, -force)
-        self._angles = a1 + h * rates[0], a2 + h * rates[1], a3 + h * rates[2]
-        self._rates = w1 + h * b1, w2 + h * b2, w3 + h * b3
+        before, accelerations = self._wall, self._arm.accelerations
+        force = self._force(self._angles, self._rates, before)
+        a = accelerations(self._angles, self._rates, self._torques, -force)
+        angles, rates = self._angles + 0.5 * h * self._rates, self._rates + 0.5 * h * a
+        force = self._force(angles, rates, self._follow(before, angles, 0.5 * h))
+        a = accelerations(angles, rates, self._torques, -force)
+        self._angles, self._rates = self._angles + h * rates, self._rates + h * a
         self._wall = self._follow(before, self._angles, h)
 
-    def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
+    def _follow(self, wall: WallState, angles: Array, h: float) -> WallState:
         """Move the wall by itself, or by the tool where that is further."""
         tool = self._arm.tip_x(angles) - self._p.arm.surface_x
         alone = wall.deflection + h * free_rate(wall, self._p.wall)

@@ -11,7 +11,7 @@ from numpy.random import Generator
 from .foreign_law import ContactLaw, log_uniform, Magnitudes, Reply, sign, Strength, Values
 
 
-class LuGreFriction(ContactLaw):
+class LugreFriction(ContactLaw):
     """
     Friction of bristles with Stribeck's curve.
 

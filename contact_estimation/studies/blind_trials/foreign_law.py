@@ -49,6 +49,11 @@ class Signals(NamedTuple):
     a: Array
     force: Array
 
+    @property
+    def dt(self) -> float:
+        """Time between samples [s]."""
+        return float(self.t[1] - self.t[0])
+
 
 class Compliance(NamedTuple):
     """A tip on a spring and a damper in front of the body whose position is measured."""
@@ -57,15 +62,6 @@ class Compliance(NamedTuple):
     mass: float
     stiffness: float
     damping: float
-
-
-def drawn_tip(m: Magnitudes, rng: Generator, lightest: float, heaviest: float) -> Strength:
-    """Draw a `Compliance` whose mass is between two shares of that of the robot."""
-    mass = m.mass * log_uniform(rng, lightest, heaviest)
-    softest = 0.5 / m.stiffness
-    ratio = float(rng.uniform(0.05, 0.3))
-    return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
-                      'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
 
 
 class ForeignLaw:
@@ -93,6 +89,23 @@ class ForeignLaw:
     def compliance(self) -> Compliance | None:
         """Return the compliance between measured position and contact, None without."""
         return None
+
+
+class YieldingLaw(ForeignLaw):
+    """A law of a `Compliance`, whose mass is between two shares of that of the robot."""
+
+    shares: ClassVar[tuple[float, float]]
+
+    @classmethod
+    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
+        mass = m.mass * log_uniform(rng, *cls.shares)
+        softest = 0.5 / m.stiffness
+        ratio = float(rng.uniform(0.05, 0.3))
+        return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
+                          'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
+
+    def compliance(self) -> Compliance:
+        return Compliance(**vars(self.values))
 
 
 class ContactLaw(ForeignLaw):

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.random import Generator
 
 from .foreign_law import (
-    Array, Compliance, drawn_tip, log_uniform, Magnitudes, Reply, RobotLaw, Strength)
+    Array, log_uniform, Magnitudes, Reply, RobotLaw, Strength, YieldingLaw)
 
 
-class FlexibleJoint(RobotLaw):
+class FlexibleJoint(YieldingLaw, RobotLaw):
     """
     The link follows the motor through the elasticity of the gear.
 
@@ -23,13 +23,7 @@ class FlexibleJoint(RobotLaw):
     """
 
     families = ('robot', 'inertia', 'timing', 'relaxation')
-
-    @classmethod
-    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        return drawn_tip(m, rng, 0.2, 0.5)
-
-    def compliance(self) -> Compliance:
-        return Compliance(self.values.mass, self.values.stiffness, self.values.damping)
+    shares = 0.2, 0.5
 
 
 class JointFriction(RobotLaw):

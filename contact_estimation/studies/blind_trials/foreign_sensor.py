@@ -11,7 +11,7 @@ from numpy.random import Generator
 from scipy.signal import bilinear, lfilter
 
 from .foreign_law import (
-    Array, Compliance, drawn_tip, log_uniform, Magnitudes, SensorLaw, Signals, Strength)
+    Array, log_uniform, Magnitudes, SensorLaw, Signals, Strength, YieldingLaw)
 
 
 def filtered(
@@ -27,6 +27,11 @@ def filtered(
     b, a = bilinear(numerator, denominator, 1.0 / dt)
     rest = origin * numerator[-1] / denominator[-1]
     return np.asarray(lfilter(b, a, values - origin)) + rest
+
+
+def low_passed(values: Array, dt: float, omega: float, zeta: float, origin: float = 0.0) -> Array:
+    """Filter a signal by a low-pass of second order, of angular frequency [rad/s] and damping."""
+    return filtered(values, dt, [omega**2], [1.0, 2.0 * zeta * omega, omega**2], origin)
 
 
 class SecondOrderFilter(SensorLaw):
@@ -45,9 +50,9 @@ class SecondOrderFilter(SensorLaw):
         return lambda s: {'period': 0.5 * s, 'zeta': zeta}
 
     def sense(self, signals: Signals) -> Array:
-        omega, dt = 2.0 * pi / self.values.period, float(signals.t[1] - signals.t[0])
-        denominator = [1.0, 2.0 * self.values.zeta * omega, omega**2]
-        return filtered(signals.force, dt, [omega**2], denominator, float(signals.force[0]))
+        omega = 2.0 * pi / self.values.period
+        return low_passed(
+            signals.force, signals.dt, omega, self.values.zeta, float(signals.force[0]))
 
 
 class SettlingBias(SensorLaw):
@@ -90,8 +95,8 @@ class LoadCellCreep(SensorLaw):
         return lambda s: {'share': s * way, 'tau': tau}
 
     def sense(self, signals: Signals) -> Array:
-        p, dt = self.values, float(signals.t[1] - signals.t[0])
-        return signals.force + p.share * filtered(signals.force, dt, [1.0], [p.tau, 1.0])
+        p = self.values
+        return signals.force + p.share * filtered(signals.force, signals.dt, [1.0], [p.tau, 1.0])
 
 
 class SoftClipping(SensorLaw):
@@ -224,9 +229,8 @@ class ResonantMount(SensorLaw):
 
     def sense(self, signals: Signals) -> Array:
         p, omega = self.values, 2.0 * pi * self.values.frequency
-        dt, load = float(signals.t[1] - signals.t[0]), signals.force - p.mass * signals.a
-        ringing = filtered(load, dt, [omega**2], [1.0, 2.0 * p.zeta * omega, omega**2], load[0])
-        return ringing + p.mass * signals.a
+        load = signals.force - p.mass * signals.a
+        return low_passed(load, signals.dt, omega, p.zeta, load[0]) + p.mass * signals.a
 
 
 class SoftTool(SensorLaw):
@@ -247,12 +251,11 @@ class SoftTool(SensorLaw):
         return lambda s: {'mass': s * mass, 'corner': corner}
 
     def sense(self, signals: Signals) -> Array:
-        dt, omega = float(signals.t[1] - signals.t[0]), 2.0 * pi * self.values.corner
-        felt = filtered(signals.a, dt, [omega**2], [1.0, 1.4 * omega, omega**2])
+        felt = low_passed(signals.a, signals.dt, 2.0 * pi * self.values.corner, 0.7)
         return signals.force - self.values.mass * felt
 
 
-class FlexibleMount(SensorLaw):
+class FlexibleMount(YieldingLaw, SensorLaw):
     """
     Sensor and tip sit on a spring; the position is measured before it.
 
@@ -262,10 +265,4 @@ class FlexibleMount(SensorLaw):
 
     families = ('timing', 'relaxation', 'inertia')
     stages = ('press',)
-
-    @classmethod
-    def draw(cls, m: Magnitudes, rng: Generator) -> Strength:
-        return drawn_tip(m, rng, 0.02, 0.1)
-
-    def compliance(self) -> Compliance:
-        return Compliance(self.values.mass, self.values.stiffness, self.values.damping)
+    shares = 0.02, 0.1
