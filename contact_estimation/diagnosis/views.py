@@ -40,6 +40,7 @@ _DIVERGED = 1e3  # times the range of the motion: a free run that tells nothing
 _REFITTED = 4  # models that are fitted again to a motion smoothed by the best of them
 _AS_LIKELY = 1.0  # nats: no evidence either way
 
+
 class Given(NamedTuple):
     """What is diagnosed, after all checks."""
 

@@ -174,7 +174,8 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
     for first, stop in zip([0, *gaps], [*gaps, len(t)]):
         edges = [0, *_jumps(force[first:stop], noise), stop - first]
         pieces = list(_pieces(t[first:stop], force[first:stop], edges))
-        if before and len(pieces) > 1 and pieces[1] and not _differ(before, pieces[1], noise, True):
+        then = pieces[1] if len(pieces) > 1 else None
+        if before and then and not _differ(before, then, noise, True):
             pieces[0] = None  # a wall that sticks pulls, and lets go: the zero is where it was
         for k, now in enumerate(pieces):
             if now is None or now.std > _LEVEL * noise:
