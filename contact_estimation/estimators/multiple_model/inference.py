@@ -292,13 +292,9 @@ class WallInference:
             float(odds[still] + negative[still] - sums.odds[law]),
             min(self._blocks.wanted, self._blocks.long) * self._blocks.period_s)
         if change is not None:  # a wall at rest may have changed instead of moving
-            odds = odds + np.where(
-                moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
+            odds = odds + np.where(moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
-        rest, gaps = sums.odds[:MOVING].max(), []
-        for one in sums.walking:
-            gaps.append(float(odds[what.law == one.law].max() - odds[~moves].max()))
-            one.restart_if_far(sums.gram, gaps[-1], float(rest))
+        walks_by = self._lead_of_walks(odds, what.law)
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
         self.rhythm.walks = bool(weights[moves].sum() > 0.5)
@@ -310,17 +306,24 @@ class WallInference:
             others.append((change.shares * weights[~moves].sum(), change.judged, law))
         if sums.same is not None:
             others.append(sums.judge_same(scene, float(odds[~moves].max())))
-        self._report.publish(
-            weights, judged, what.law, scene, sums, self.residuals, others)
+        self._report.publish(weights, judged, what.law, scene, sums, self.residuals, others)
         if self.known.valid:
             sums.rescale(self.known.stiffness, self.known.damping, _SOFTER * sums.scale)
         if self.rhythm.blocks > SETTLED:
             self.lag.learn(weights.reshape(_LAWS, -1), judged.theta, judged.P)
         certain, self._doubted = decided(change), change is not None and change.odds.max() > 0.0
-        if change is not None and certain >= 0 and max(gaps) < -COMMIT:
+        if change is not None and certain >= 0 and walks_by < -COMMIT:
             yield
             self._commit(change, certain, scene)
         self._follow_surface(weights, judged, what.law, scene)
+
+    def _lead_of_walks(self, odds: Array, laws: Ints) -> float:
+        """Return the log odds of the best wall that moves; begin those anew that are far off."""
+        sums, still = self._sums, float(odds[laws < MOVING].max())
+        leads = [float(odds[laws == one.law].max()) - still for one in sums.walking]
+        for one, lead in zip(sums.walking, leads):
+            one.restart_if_far(sums.gram, lead, float(sums.odds[:MOVING].max()))
+        return max(leads)
 
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:
         """Begin anew where a change of the wall is certain."""
