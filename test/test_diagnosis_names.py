@@ -10,6 +10,7 @@ from concealed_worlds import (
     ATTACHED, attached, diagnosed, FORCE_NOISE, MODEL, named, nominal, OUTSIDE_EFFECTS, physics,
     recorded, softened, with_unknown)
 from contact_estimation.diagnosis.observe.model import names_of
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.result import Diagnosis
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.effect import Need
@@ -278,6 +279,18 @@ def test_cogging_is_found_beneath_friction() -> None:
     both = {**physics('coulomb_friction', 8.0), **physics('cogging', 3.0, 0.002, 0.7)}
     found = diagnosed(recorded(**wall, **both), nominal(**wall))
     assert sorted(named(found)) == ['cogging', 'coulomb_friction']
+
+
+def test_cogging_of_many_periods_along_the_way_is_found() -> None:
+    t, rng = np.arange(0.0, 12.0, 0.002), np.random.default_rng(1)
+    x = 0.025 * (1.0 - np.cos(0.4 * np.pi * t))
+    ripple = 1.5 * np.sin(2.0 * np.pi * x / 3e-4 + 0.7)
+    force = -4800.0 * x - 200.0 * np.gradient(x, t) - ripple + rng.normal(0.0, 0.1, len(t))
+    found = diagnosed(
+        Signals(t, force, t, x + rng.normal(0.0, 1e-6, len(t)), np.empty(0), np.empty((4, 0))),
+        nominal(environment__unilateral=False))
+    assert named(found) == ['cogging']
+    assert found.effects[0].parameters['period'].value == pytest.approx(3e-4, rel=1e-4)
 
 
 def test_strong_cubic_spring_of_an_attached_wall_is_named() -> None:
