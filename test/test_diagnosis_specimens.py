@@ -190,8 +190,8 @@ def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
     assert found.verdict == 'physics_missing'
     assert sorted(named(found)) == ['coulomb_friction', 'force_bias']
     values = {effect.name: effect.parameters for effect in found.effects}
-    assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
-    assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
+    assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.03)
+    assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.03)
 
 
 WORLDS = {'plain': {}, 'simulator': {'cubic_stiffness': {'K_3': 2e6}},

@@ -87,7 +87,7 @@ class PooledResult(NamedTuple):
 
     @property
     def same(self) -> int:
-        """Number of members without which the families named are those of the whole."""
+        """Return the number of members without which the families named are those of the whole."""
         return sum(_families(one) == _families(self.whole) for one in self.left_out
                    if one['report'])
 

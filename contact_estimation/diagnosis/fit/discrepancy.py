@@ -30,12 +30,12 @@ from ..observe.shares import LITTLE
 from ...physics.numeric import Array
 
 UNCERTAINTIES = (
-    ('impedance_mismatch', (1.0, 1.0, 1.002), ''),
-    ('command_delay', (0.02,), 'h'),
-    ('force_delay', (3e-5,), 'pace'),
+    ('impedance_mismatch', (1.0, 1.0, 1.002), False),
+    ('command_delay', (3e-5,), True),
+    ('force_delay', (3e-5,), True),
 )
-"""Effects at one standard deviation, and what of a recording multiplies it: M_t is known to 0.2 %,
-the instant at which a robot takes a setpoint to a fiftieth of a sample, stamps to 0.03 ms."""
+"""Effects at one standard deviation, and whether that is a time, which the pace multiplies: M_t is
+known to 0.2 %, stamps to 0.03 ms."""
 
 # Of the range of the force: most that a cable or a hose pulls, over the stroke, and dry friction
 # that every robot has.
@@ -63,9 +63,9 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
     o = recording.observed
     robot = o.reference is not None
     columns = []
-    for name, values, scale in UNCERTAINTIES:
+    for name, values, time in UNCERTAINTIES:
         if name not in model.effects and (robot or name == 'force_delay'):
-            scaled = tuple(getattr(o, scale, 1.0) * value for value in values)
+            scaled = tuple(o.pace * value if time else value for value in values)
             varied = model.with_effect(name, scaled)
             columns.append(residuals(recording, varied, robust=False) - here)
     steps = []

@@ -27,7 +27,7 @@ Tones = tuple[Tone, ...]
 _LEAST = 1e-30  # in any unit
 _PEAKS, _HIGHEST_HZ = 3, 12.0
 _STRONG, _ALIKE = 40, 1e-3  # frequencies that are tried in pairs; relative singular value
-_BINS = 16384  # of the way: eight in each of 2048 periods
+_BINS = 1024, 16384  # of the way, at least eight in a period; the finer tell shorter periods alone
 _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
 
@@ -98,17 +98,24 @@ def measure_waves(recording: PreparedRecording, model: Model) -> Tones:
     stroke = float(np.ptp(o.x[use])) if use.any() else 0.0
     if wall.unilateral or not stroke:
         return ()
-    first = float(o.x[use].min())
-    place = np.minimum((o.x[use] - first) / stroke * _BINS, _BINS - 1).astype(int)
-    visits = np.bincount(place, minlength=_BINS)
-    # On average over the way there and the way back friction and inertia are nearly nothing.
-    mean = np.bincount(place, force_residual(recording, model)[use], _BINS) / np.maximum(visits, 1)
-    mean = np.where(visits > 0, mean - mean[visits > 0].mean(), 0.0)
-    frequencies = np.fft.rfftfreq(_FINER * _BINS, stroke / _BINS)
-    middle = first - wall.location + 0.5 * stroke / _BINS
-    sums = np.fft.rfft(mean, _FINER * _BINS) * np.exp(-2j * np.pi * frequencies * middle)
-    inside = slice(round(_FINER * MANY_PERIODS) + 1, _FINER * _BINS // 8)
-    return _peaks(frequencies[inside], 2.0 / np.count_nonzero(visits) * sums[inside])
+    found, fewest = list[Tone](), MANY_PERIODS
+    way, left = (o.x[use] - float(o.x[use].min())) / stroke, force_residual(recording, model)[use]
+    middle = float(o.x[use].min()) - wall.location
+    for bins in _BINS:
+        place = np.minimum(way * bins, bins - 1).astype(int)
+        visits = np.bincount(place, minlength=bins)
+        there = np.flatnonzero(visits)
+        # On average over the way there and the way back friction and inertia are nearly nothing.
+        mean = np.bincount(place, left)[there] / visits[there]
+        # Empty bins would repeat slow misfits at the rate of the samples.
+        mean = np.interp(np.arange(bins), there, mean - mean.mean())
+        inside = slice(round(_FINER * fewest) + 1, _FINER * bins // 8)
+        frequencies = np.fft.rfftfreq(_FINER * bins, stroke / bins)[inside]
+        sums = np.fft.rfft(mean, _FINER * bins)[inside]
+        sums *= np.exp(-2j * np.pi * frequencies * (middle + 0.5 * stroke / bins))
+        found += _peaks(frequencies, 2.0 / bins * sums)
+        fewest = bins / 8
+    return tuple(found)
 
 
 def _beat(t: Array, r: Array, frequencies: Array) -> Tones:
