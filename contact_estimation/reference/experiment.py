@@ -89,10 +89,13 @@ class PseudoRandomBinary(Excitation):
 @lru_cache(maxsize=1)
 def register_sequence() -> tuple[int, ...]:
     """Return one period, 2^10 - 1 outputs of register 10, of the register started with ones."""
-    from scipy.signal import max_len_seq  # slow to import, and no node needs it at start
-
-    # scipy counts registers from the output.
-    return tuple(max_len_seq(10, np.ones(10, int), taps=[3])[0].tolist())
+    # Written out: scipy.signal takes a second to import, at the first sample of a running node.
+    register = [1] * 10
+    bits = []
+    for _ in range(1023):
+        bits.append(register[9])
+        register = [register[6] ^ register[9], *register[:9]]
+    return tuple(bits)
 
 
 START = -0.10
