@@ -59,6 +59,15 @@ def test_a_law_less_is_what_a_fit_without_it_gives() -> None:
         assert found.surprise == pytest.approx(wanted.surprise, abs=0.01)
 
 
+def test_what_a_joint_leaves_while_it_rests_is_no_measure_of_its_noise() -> None:
+    gram = Gram(Channels([arm_recording()], ArmDynamics(URDF)))
+    gram.kept[3:] = 1.0
+    errors = np.full_like(gram.kept, 4.0)
+    moving = gram.weights_for(errors)
+    errors[3:] = 0.0
+    assert gram.weights_for(errors) == pytest.approx(moving)
+
+
 def test_blocks_that_are_left_out_are_another_motion() -> None:
     short = arm_recording()
     rows = short.t < 8.0
@@ -108,6 +117,14 @@ def test_a_load_that_leaves_no_mass_of_its_link_is_unlikely() -> None:
     reading = Reading.of(Channels([one], ArmDynamics(URDF)))
     found = reading.but(load=8.0).evidence()
     assert found.load < -2.0 * reading.arm.masses[-1] and found.nat < reading.evidence().nat
+
+
+def test_a_load_hides_no_sign() -> None:
+    tool = ArmLaw('payload', [3.0, 0.9, 0.0, 0.0, 0.06, 0.0, 0.3, 0.0, 0.0, 0.3], 2)
+    turned = arm_recording([tool], tau=lambda tau: tau * [1.0, -1.0, 1.0])
+    wrong = [one for one in check_reading(Reading.of(Channels([turned], ArmDynamics(URDF))))
+             if not one.ok]
+    assert [one.name for one in wrong] == ['torque_sign'] and 'direction' in wrong[0].text
 
 
 def test_a_gain_of_all_torques_below_the_span_of_published_ones_is_not_refused() -> None:

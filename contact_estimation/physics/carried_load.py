@@ -10,6 +10,7 @@ from .numeric import Array
 from ..kinematics.arm_dynamics import PER_LINK
 
 _CENTRE, _GYRATION = 0.15, 0.03  # [m], [m^2]: of what an arm carries, per mass
+_TOOL = 2.0  # reach of a long one, in that of a link
 _TILT = np.radians(3.0)
 _WRENCH = np.array(3 * [20.0] + 3 * [2.0])  # zero of a sensor that was never tared [N], [N m]
 _INERTIAL = (('mass', 'kg'), ('mc_x', 'kg m'), ('mc_y', 'kg m'), ('mc_z', 'kg m'),
@@ -17,9 +18,9 @@ _INERTIAL = (('mass', 'kg'), ('mc_x', 'kg m'), ('mc_y', 'kg m'), ('mc_z', 'kg m'
              ('I_yz', 'kg m^2'), ('I_zz', 'kg m^2'))
 
 
-def typical_inertial(mass: float) -> Array:
+def typical_inertial(mass: float, reach: float = 1.0) -> Array:
     """Return the size of the ten parameters of a body of some mass, shape (10,)."""
-    return mass * np.array([1.0] + 3 * [_CENTRE] + 6 * [_GYRATION])
+    return mass * np.array([1.0] + 3 * [reach * _CENTRE] + 6 * [reach**2 * _GYRATION])
 
 
 def _of_link(motion: JointMotion, i: int, shape: float) -> dict[int, Array]:
@@ -49,9 +50,9 @@ def _third_of_link(motion: JointMotion, i: int) -> Array:
 
 
 def _body(motion: JointMotion, i: int) -> Array:
-    """Return the size of a body as heavy as the last link, or half the mean one."""
+    """Return the size of a tool as heavy as the last link, or half the mean one."""
     masses = motion.arm.masses
-    return typical_inertial(max(masses[-1], 0.5 * masses.mean()))
+    return typical_inertial(max(masses[-1], 0.5 * masses.mean()), _TOOL)
 
 
 LOAD = (

@@ -10,7 +10,7 @@ import numpy as np
 from .joint_effect import JointEffect, JointMotion, Place, positive
 from .numeric import Array
 
-_DEFLECTION = 0.01  # largest of a gear [rad]
+_DEFLECTION = 0.03  # largest of a gear [rad]; of a series elastic drive twice that
 _GAPS = (0.002, 0.007, 0.02, 0.035, 0.06)  # of worn gears [rad]
 _ONE_SIDE = 0.02  # of the time
 _LIGHT = 1e-6  # [kg m^2]: descriptions have links without inertia

@@ -4,8 +4,8 @@
 """Checks of recordings of an arm for wrong use, made before any physics is named."""
 
 from dataclasses import replace
-from itertools import combinations
-from math import log
+from itertools import combinations, islice
+from math import exp, log
 from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
@@ -212,6 +212,14 @@ def _loaded(reading: Reading) -> Iterator[Candidate]:
 
 _WAYS = (_exchanged, _turned, _scaled, _mounted, _late, _loaded)
 
+
+def _loaded_too(reading: Reading) -> Iterator[Candidate]:
+    """Yield misreadings of an arm with a load, which hides them."""
+    for load in islice(_loaded(reading), 1):
+        yield from (one._replace(places=one.places * exp(_ODDS)) for way in _WAYS
+                    for one in way(load.reading) if one.check)
+
+
 _READ = {
     'torque_sign': 'torques drive the motion',
     'position_sign': 'positions count as in the description',
@@ -235,6 +243,8 @@ def check_reading(reading: Reading) -> list[Check]:
         def odds(one: Candidate) -> float:
             return one.evidence.nat - found.nat - log(one.places) - _ODDS
 
+        if any(odds(one) > 0.0 for one in every):
+            every += _loaded_too(reading)
         # A misreading must be likelier than the best law, and than none.
         best, law = (max((one for one in every if bool(one.check) == wrong), key=odds)
                      for wrong in (True, False))

@@ -189,9 +189,13 @@ class Gram:
         return np.asarray(np.maximum(errors - self.felt_noise, 0.0) / self.floor + 1.0)
 
     def weights_for(self, errors: Array) -> Array:
-        """Return w_j for errors (B, C): so many independent ones as there are in a block."""
-        share = np.minimum(_INDEPENDENT * len(errors) / self.kept.sum(axis=0), 1.0)
-        return np.asarray(share / (np.median(errors, axis=0) + self.floor))
+        """Return w_j for errors (B, C): those of the median sample, as far as independent."""
+        order = np.argsort(errors, axis=0)
+        before = np.cumsum(np.take_along_axis(self.kept, order, axis=0), axis=0)
+        middle = np.argmax(before >= 0.5 * before[-1], axis=0)
+        usual = np.sort(errors, axis=0)[middle, np.arange(len(middle))]
+        share = np.minimum(_INDEPENDENT * len(errors) / before[-1], 1.0)
+        return np.asarray(share / (usual + self.floor))
 
     def set_weights(self, weights: Array) -> None:
         """Weigh the joints by what a good model leaves of them."""
