@@ -90,6 +90,12 @@ WALK = 0.02
 """Random walk of the force of a wall whose surface moves or whose stiffness drifts, relative to it
 [1/sqrt(s)]: 2 % of the stiffness, or at a depth of 10 mm 0.2 mm of the surface, in a second."""
 
+WALL_SPEED = 0.01
+"""Speed of a wall that moves, and how much it changes in a second [m/s]."""
+
+SLOW_SPEED = 3e-4
+"""Speed of a wall that moves, and how much it changes in a second [m/s]."""
+
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4
 """Error of a stamp [s]: the resolution of drivers that stamp on arrival."""

@@ -25,20 +25,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, TWO_POLES, UNLIKELY)
+    DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, SLOW_SPEED, TWO_POLES, UNLIKELY, WALL_SPEED)
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
  POWER_CURVE, SQUARE, CUBE, CUBE_RATE, SET, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE,
- ACCELERATION_NOISE) = range(21)
+ ACCELERATION_NOISE, TIME) = range(22)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
 S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S0 y^3, S1 y^3 / 3, -S0 of the greatest y so far, 0, S0 f,
 S1 f, and the standard deviations of S0 y, S1 y and S2 y, whose squares say how much of the scatter
 of each is noise."""
 
-COLUMNS = 21
+COLUMNS = 22
 OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE, CUBE]
 """Columns that are functions of the depth."""
 
@@ -71,14 +71,16 @@ LAWS = {
     # Loading alone never tells it: it counts where the data speak for it.
     'yielding': Law((DEPTH, RATE, ACCELERATION, ONE, SET, ZERO), 1.0, 0.5 * UNLIKELY),
     # A wall that moved once and for all has changed; this one goes on moving.
-    'moving_wall': Law(_LINEAR, 1.0, 1e-4),
+    'moving_wall': Law((DEPTH, RATE, ACCELERATION, ONE, TIME, ZERO), 1.0, 1e-4),
     'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
+    'slow_wall': Law((DEPTH, RATE, ACCELERATION, ONE, TIME, ZERO), 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""
 
 NAMES = tuple(LAWS)
-KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, DRIFTING = (NAMES.index(name) for name in (
-    'kelvin_voigt', 'mass', 'friction', 'curved', 'yielding', 'moving_wall', 'drifting_stiffness'))
+KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, DRIFTING, SLOW = (NAMES.index(name) for name in (
+    'kelvin_voigt', 'mass', 'friction', 'curved', 'yielding', 'moving_wall', 'drifting_stiffness',
+    'slow_wall'))
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
@@ -155,6 +157,8 @@ def _priors(damping: float, tau: float, std: float) -> tuple[NDArray[np.bool_], 
     per_K[alike, 2] = True
     width[LATE, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
     width[BENT, 4:6], per_K[BENT, 4:6] = 1.0, True
+    width[MOVING, 4], per_K[MOVING, 4] = WALL_SPEED, True
+    width[SLOW, 4], per_K[SLOW, 4] = SLOW_SPEED, True
     width[YIELDING, 4], per_K[YIELDING, 4] = 0.5, True
     return per_K, mean, width
 

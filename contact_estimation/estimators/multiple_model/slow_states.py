@@ -7,10 +7,10 @@ from math import log, sqrt
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, SLOW_SPEED, TWO_POLES, WALK, WALL_SPEED
 from .laws import (
     ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
-    MOVING, ONE, SIGN)
+    MOVING, ONE, SIGN, SLOW, TIME)
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
@@ -141,14 +141,17 @@ class MovingWall(OwnData):
 
     def __init__(self, law: int) -> None:
         super().__init__(law)
-        self._column, self.walked = {MOVING: ONE, DRIFTING: DEPTH}[law], 0.0
+        self._column, self.walked = {MOVING: TIME, DRIFTING: DEPTH, SLOW: TIME}[law], 0.0
+        self.rate = {MOVING: WALL_SPEED, DRIFTING: WALK, SLOW: SLOW_SPEED}[law]
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
         """Add a block and walk for its duration [s], K being about the scale [N/m]."""
-        known, step = self.gram * fade + gram, WALK * WALK * seconds
-        if self.law == MOVING:
-            step *= float(gram[DEPTH, DEPTH] / max(gram[ONE, ONE], 1e-30))
-            self.walked += sqrt(step)
+        step = self.rate ** 2 * seconds
+        if self._column == TIME:
+            self.gram[TIME] -= seconds * self.gram[ONE]
+            self.gram[:, TIME] -= seconds * self.gram[:, ONE]
+            self.walked += sqrt(step) * seconds
+        known = self.gram * fade + gram
         walk = scale * scale * step
         column = known[self._column]
         told = 1.0 + walk * float(column[self._column])
@@ -163,6 +166,7 @@ class MovingWall(OwnData):
     def restart(self, gram: Array, rest: float) -> None:
         """Let it begin now, from the wall at rest, whose law has some log odds."""
         super().restart(gram, rest)
+        self.gram[TIME], self.gram[:, TIME] = 0.0, 0.0
         self.gained, self.walked = rest, 0.0
 
     def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:

@@ -17,7 +17,7 @@ from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .knowledge import OUTSIDE
 from .laws import (
     Array, COLUMNS, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES,
-    ONE, RATE, SET, shifted_table)
+    ONE, RATE, SET, shifted_table, SLOW, TIME)
 from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import DoubtedRows, MovingWall, OwnData
 
@@ -101,7 +101,7 @@ class WallStatistics:
     def __init__(self, location: float, std: float) -> None:
         self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
-        self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
+        self.walking = [MovingWall(law) for law in (MOVING, DRIFTING, SLOW)]
         self.doubting = [DoubtedRows(law) for law in (FRICTION, MASS)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
@@ -160,6 +160,7 @@ class WallStatistics:
         weights, told (N,): of its rows phi, and what the laws that doubt rows divide them by
         samples: independent ones in a row
         """
+        phi[TIME] = self.seconds + np.linspace(seconds / phi.shape[1] - seconds, 0.0, phi.shape[1])
         gram = (phi * weights) @ phi.T
         fade = exp(-seconds / FADE_S)
         self.deepest = max(self.deepest, self.x0 - float(phi[SET].min()))
