@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .constants import (
     CHANGES, COMMIT, EXACT_SURFACE_M, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
-from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
+from .evidence import Hypotheses, judge_in_parts, negativity, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
 
@@ -205,7 +205,7 @@ class Runs:
         found = yield from judge_in_parts(grams, scene, Hypotheses(
             what.law[run], *(np.where(is_same, kept[run], other) for kept, other in zip(
                 what[1:], (stiffness, centre, std)))))
-        odds = found.evidence - evidence + hazard
+        odds = found.evidence - evidence + hazard - negativity(found, what.law[run], scene, inf)
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
         as_before = np.ones(len(run), bool)
