@@ -119,6 +119,9 @@ class WallInference:
         other = bool(self.rhythm.blocks) and known.valid and elsewhere
         if other:
             self._begin_anew()
+        elif self.rhythm.blocks:
+            for one in self._sums.walking:
+                one.leave(free_s, self._sums.scale)
         if not self.rhythm.blocks:
             self._sums.x0 = onset  # powers of the depth are right near their reference only
             self._sums.look_near(*self._touched[:2], self._unfelt, not elsewhere)
@@ -321,8 +324,13 @@ class WallInference:
         """Return the log odds of the best wall that moves; begin those anew that are far off."""
         sums, still = self._sums, float(odds[laws < MOVING].max())
         leads = [float(odds[laws == one.law].max()) - still for one in sums.walking]
+        best = sums.walking[leads.index(max(leads))] if max(leads) > 0.0 else None
         for one, lead in zip(sums.walking, leads):
-            one.restart_if_far(sums.gram, lead, float(sums.odds[:MOVING].max()))
+            if lead - max(*leads, 0.0) < LOG_PRIOR[one.law]:
+                if best is None:
+                    one.restart(sums.gram, float(sums.odds[:MOVING].max()))
+                else:
+                    one.follow(best)
         return max(leads)
 
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:

@@ -142,21 +142,34 @@ class MovingWall(OwnData):
     def __init__(self, law: int) -> None:
         super().__init__(law)
         self._column, self.walked = {MOVING: TIME, DRIFTING: DEPTH, SLOW: TIME}[law], 0.0
-        self.rate = {MOVING: WALL_SPEED, DRIFTING: WALK, SLOW: SLOW_SPEED}[law]
+        self._rate = {MOVING: WALL_SPEED, DRIFTING: WALK, SLOW: SLOW_SPEED}[law]
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
         """Add a block and walk for its duration [s], K being about the scale [N/m]."""
-        step = self.rate ** 2 * seconds
+        self._pass(seconds)
+        self.gram = self.gram * fade + gram
+        self.gained *= fade
+        self._walk(self._column, self._rate * scale, seconds)
+
+    def leave(self, seconds: float, scale: float) -> None:
+        """Let the wall go on moving while it is not touched [s]."""
+        if self._column == TIME:
+            self._pass(seconds)
+            self._walk(TIME, self._rate * scale, seconds)
+            self._walk(ONE, self._rate * scale, seconds ** 3)
+
+    def _pass(self, seconds: float) -> None:
+        """Let the time of all data be that before now."""
         if self._column == TIME:
             self.gram[TIME] -= seconds * self.gram[ONE]
             self.gram[:, TIME] -= seconds * self.gram[:, ONE]
-            self.walked += sqrt(step) * seconds
-        known = self.gram * fade + gram
-        walk = scale * scale * step
-        column = known[self._column]
-        told = 1.0 + walk * float(column[self._column])
-        self.gram = known - (walk / told) * np.outer(column, column)
-        self.gained = fade * self.gained - 0.5 * log(told)
+            self.walked += self._rate * seconds ** 1.5
+
+    def _walk(self, column: int, rate: float, seconds: float) -> None:
+        walk, told = rate * rate * seconds, self.gram[column].copy()
+        known = 1.0 + walk * float(told[column])
+        self.gram -= (walk / known) * np.outer(told, told)
+        self.gained -= 0.5 * log(known)
 
     @property
     def prior(self) -> float:
@@ -169,7 +182,12 @@ class MovingWall(OwnData):
         self.gram[TIME], self.gram[:, TIME] = 0.0, 0.0
         self.gained, self.walked = rest, 0.0
 
-    def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
-        """Let it begin now if it is less probable than that, by its log odds against rest."""
-        if gap < LOG_PRIOR[self.law]:
-            self.restart(gram, rest)
+    def follow(self, other: 'MovingWall') -> None:
+        """Let it begin now, from another that moves."""
+        if other._column != TIME:
+            return self.restart(other.gram, other.prior)
+        super().restart(other.gram, other.prior)
+        self.gained, self.walked = other.prior, other.walked
+        if self._column != TIME:
+            told = self.gram[TIME].copy()
+            self.gram -= np.outer(told, told) / (told[TIME] + 1e-30)
