@@ -113,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 21, 21): one for each hypothesis; they are overwritten
+    grams (N, 22, 22): one for each hypothesis; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 

@@ -324,14 +324,16 @@ class WallInference:
         """Return the log odds of the best wall that moves; begin those anew that are far off."""
         sums, still = self._sums, float(odds[laws < MOVING].max())
         leads = [float(odds[laws == one.law].max()) - still for one in sums.walking]
-        best = sums.walking[leads.index(max(leads))] if max(leads) > 0.0 else None
-        for one, lead in zip(sums.walking, leads):
-            if lead - max(*leads, 0.0) < LOG_PRIOR[one.law]:
-                if best is None:
-                    one.restart(sums.gram, float(sums.odds[:MOVING].max()))
-                else:
-                    one.follow(best)
-        return max(leads)
+        lead = max(leads)
+        best = sums.walking[leads.index(lead)]
+        for one, own in zip(sums.walking, leads):
+            if own - max(lead, 0.0) >= LOG_PRIOR[one.law]:
+                continue
+            if lead > 0.0:
+                one.follow(best)
+            else:
+                one.restart(sums.gram, float(sums.odds[:MOVING].max()))
+        return lead
 
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:
         """Begin anew where a change of the wall is certain."""

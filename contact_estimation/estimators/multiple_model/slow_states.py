@@ -1,16 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What changes slowly: the lag of the force sensor, the walk of the surface."""
+"""What changes slowly: the lag of the force sensor, the speed of the surface."""
 
 from math import log, sqrt
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, SLOW_SPEED, TWO_POLES, WALK, WALL_SPEED
+from .constants import CREEP, LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
 from .laws import (
-    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
-    MOVING, ONE, SIGN, SLOW, TIME)
+    ACCELERATION_NOISE, Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT,
+    LOG_PRIOR, MASS, MOVING, ONE, SIGN, TIME)
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
@@ -73,7 +73,7 @@ class OwnData:
     The Gram matrix of a law for which the data are not what they are for all others.
 
     law: index of NAMES
-    gram (21, 21): of all blocks
+    gram (22, 22): of all blocks
     gained: log odds to be added to its evidence
     """
 
@@ -108,7 +108,7 @@ class DoubtedRows(OwnData):
         """
         Return what the variance of samples has under this law alone, (N,) [N^2].
 
-        phi (21, N): rows
+        phi (22, N): rows
         noise: variance of S0 of white noise of variance 1
         """
         if self.law == FRICTION:
@@ -130,45 +130,48 @@ class DoubtedRows(OwnData):
 
 class MovingWall(OwnData):
     """
-    The Gram matrix of a wall whose s(t) = -K delta(t), or K(t), is a random walk, and its odds.
+    The Gram matrix of a wall that moves, or whose stiffness drifts, and its odds.
 
-    A step w of the surface with variance Q takes from the matrix what it tells of s before: the
-    Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
-    log(1 + Q g_s) / 2. A step of K alike, g being the column of the depth.
+    The surface moves at a speed that is a random walk: f = K y + B y' + s + c (t + B / K) with
+    c = -K v, t being 0 now. A step w of c with variance Q takes from the matrix what it tells of c
+    before: the Schur complement G - g g^T / (1 / Q + g_c), g its column of c; the evidence loses
+    log(1 + Q g_c) / 2. A step of the stiffness alike, g being the column of the depth.
 
-    walked: how far its surface may have come since it was at rest, by steps of one sign [m]
+    walked: how far its surface may have come since it was at rest [m]
     """
 
     def __init__(self, law: int) -> None:
         super().__init__(law)
-        self._column, self.walked = {MOVING: TIME, DRIFTING: DEPTH, SLOW: TIME}[law], 0.0
-        self._rate = {MOVING: WALL_SPEED, DRIFTING: WALK, SLOW: SLOW_SPEED}[law]
+        self._rate, self._column = {
+            MOVING: (SPEED, TIME), CREEPING: (CREEP, TIME), DRIFTING: (WALK, DEPTH)}[law]
+        self.walked = 0.0
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
         """Add a block and walk for its duration [s], K being about the scale [N/m]."""
         self._pass(seconds)
         self.gram = self.gram * fade + gram
         self.gained *= fade
-        self._walk(self._column, self._rate * scale, seconds)
+        self._step(self._column, scale, seconds)
 
     def leave(self, seconds: float, scale: float) -> None:
-        """Let the wall go on moving while it is not touched [s]."""
+        """Let a wall move for a time without contact [s]."""
         if self._column == TIME:
             self._pass(seconds)
-            self._walk(TIME, self._rate * scale, seconds)
-            self._walk(ONE, self._rate * scale, seconds ** 3)
+            self._step(TIME, scale, seconds)
+            self._step(ONE, scale, seconds**3)
 
     def _pass(self, seconds: float) -> None:
-        """Let the time of all data be that before now."""
+        """Let time pass."""
         if self._column == TIME:
             self.gram[TIME] -= seconds * self.gram[ONE]
             self.gram[:, TIME] -= seconds * self.gram[:, ONE]
-            self.walked += self._rate * seconds ** 1.5
+            self.walked += self._rate * seconds**1.5
 
-    def _walk(self, column: int, rate: float, seconds: float) -> None:
-        walk, told = rate * rate * seconds, self.gram[column].copy()
-        known = 1.0 + walk * float(told[column])
-        self.gram -= (walk / known) * np.outer(told, told)
+    def _step(self, column: int, scale: float, seconds: float) -> None:
+        """Let the coefficient of a column walk for a time [s]."""
+        variance, told = (self._rate * scale) ** 2 * seconds, self.gram[column].copy()
+        known = 1.0 + variance * float(told[column])
+        self.gram -= (variance / known) * np.outer(told, told)
         self.gained -= 0.5 * log(known)
 
     @property
@@ -183,7 +186,7 @@ class MovingWall(OwnData):
         self.gained, self.walked = rest, 0.0
 
     def follow(self, other: 'MovingWall') -> None:
-        """Let it begin now, from another that moves."""
+        """Let it begin now, from one that moves otherwise."""
         if other._column != TIME:
             return self.restart(other.gram, other.prior)
         super().restart(other.gram, other.prior)

@@ -83,7 +83,7 @@ class Smoothing:
         touching: whether the tool is outside the wall in some of the samples
         deepest: greatest position before [m]
         bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (21, N): the columns of `laws`, a row for each window
+        Returns phi (22, N): the columns of `laws`, a row for each window
         """
         phi, inside = self._of_positions(force, x - x0, touching, deepest - x0)
         windows = phi.shape[1]
@@ -119,7 +119,7 @@ class Smoothing:
     def _of_positions(
         self, force: Array, y: Array, touching: bool, deepest: float
     ) -> tuple[Array, Array]:
-        """Return the columns (21, N) but those of noise, of depths y (N,), and y inside."""
+        """Return the columns (22, N) but those of noise, of depths y (N,), and y inside."""
         windows = (len(y) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
         inside = np.maximum(y, 0.0)

@@ -16,8 +16,8 @@ from .constants import (
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .knowledge import OUTSIDE
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES,
-    ONE, RATE, SET, shifted_table, SLOW, TIME)
+    Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
+    MOVING, NAMES, ONE, RATE, SET, shifted_table, TIME)
 from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import DoubtedRows, MovingWall, OwnData
 
@@ -32,7 +32,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (21, 21): Gram matrix of all data before it
+    before (22, 22): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -55,7 +55,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (21, 21): of the data since the change
+        since (22, 22): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -66,7 +66,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (21, 21) of what seemed another wall."""
+        """Note another step, after data (22, 22) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -86,7 +86,7 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (21, 21): sum of the Gram matrices of all blocks, the older, the less
+    gram (22, 22): sum of the Gram matrices of all blocks, the older, the less
     walking, doubting: the same of walls that move or drift, of laws that doubt some rows
     runs: the same since every time of a possible change
     odds: log odds of each law
@@ -101,7 +101,7 @@ class WallStatistics:
     def __init__(self, location: float, std: float) -> None:
         self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
-        self.walking = [MovingWall(law) for law in (MOVING, DRIFTING, SLOW)]
+        self.walking = [MovingWall(law) for law in (MOVING, CREEPING, DRIFTING)]
         self.doubting = [DoubtedRows(law) for law in (FRICTION, MASS)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
@@ -160,7 +160,8 @@ class WallStatistics:
         weights, told (N,): of its rows phi, and what the laws that doubt rows divide them by
         samples: independent ones in a row
         """
-        phi[TIME] = self.seconds + np.linspace(seconds / phi.shape[1] - seconds, 0.0, phi.shape[1])
+        t = np.linspace(1.0 / phi.shape[1] - 1.0, 0.0, phi.shape[1])
+        phi[TIME] = seconds * t + self.seconds  # the damper feels a speed at once
         gram = (phi * weights) @ phi.T
         fade = exp(-seconds / FADE_S)
         self.deepest = max(self.deepest, self.x0 - float(phi[SET].min()))
