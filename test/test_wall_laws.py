@@ -49,7 +49,8 @@ WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {
     'curved': (lambda d, v, a: 13.0 * np.expm1(175.0 * np.maximum(d, 0.0)) + B * v, None),
     'yielding': (lambda d, v, a: K * (d - 0.3 * np.maximum.accumulate(np.maximum(d, 0.0))) + B * v,
                  None),
-    'moving_wall': (spring_damper(K, B), moved),
+    'moving_wall': (spring_damper(K, B), lambda t: 5.0 * moved(t)),
+    'creeping_wall': (spring_damper(K, B), moved),
     'drifting_stiffness': (lambda d, v, a: growing(np.arange(len(d)) / FINE) * d + B * v, None),
 }
 
@@ -127,6 +128,24 @@ def test_noise_of_the_position_does_not_hide_the_sign_of_friction(
     assert posterior.wall.law == 'friction'
     assert within(posterior.known.stiffness, K, posterior.known.stiffness_std, 3.0)
     assert abs(posterior.known.stiffness - K) < 0.01 * K
+
+
+@pytest.mark.parametrize('speed', [-3e-3, -3e-4, 3e-3, 1e-2])
+def test_a_wall_that_gives_way_at_a_constant_force_is_no_softer(speed: float) -> None:
+    draw, t = np.random.default_rng(1), np.arange(0.0, 8.0, 0.002)
+    moved = speed * np.maximum(t - 3.0, 0.0)
+    behind = speed * 0.05 * -np.expm1(-np.maximum(t - 3.0, 0.0) / 0.05)
+    d = np.clip(0.02 * (t - 1.0), -0.005, 2e-3) - behind
+    rate = np.gradient(d, t)
+    force = np.where(d > 0.0, K * d + B * rate, 0.0) + 0.1 * draw.standard_normal(len(t))
+    posterior = WallPosterior(0.0, 2e-3, NO_LAG)
+    for sample in zip(t, force, d + moved + 2e-6 * draw.standard_normal(len(t))):
+        posterior.take(*sample)
+        known = posterior.known
+        if sample[0] > 2.0:
+            assert within(known.stiffness, K, known.published_stds[0], 4.0)
+    assert known.valid
+    assert known.stiffness == pytest.approx(K, rel=0.05)
 
 
 @pytest.mark.parametrize('seed', [0, 1])

@@ -309,7 +309,7 @@ def mixture(weights: Array, found: Wall) -> tuple[list[float], list[float]]:
     return means.tolist(), spreads.tolist()
 
 
-def negativity(judged: Judged, laws: Ints, scene: Scene, most: float = 15.0) -> Array:
+def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:
     """Return what it costs that stiffness, damping, friction and mass are not negative."""
     theta, P = judged.theta, judged.P
     damping = theta[:, 1] + np.where(LATE[laws], 0.0, scene.lag[0]) * theta[:, 0]
@@ -317,4 +317,4 @@ def negativity(judged: Judged, laws: Ints, scene: Scene, most: float = 15.0) -> 
                        np.where((laws == FRICTION) | (laws == YIELDING), theta[:, 4], 0.0)])
     variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
     below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
-    return np.minimum(0.5 * below.sum(0), most)
+    return np.asarray(0.5 * below.sum(0))

@@ -205,7 +205,7 @@ class Runs:
         found = yield from judge_in_parts(grams, scene, Hypotheses(
             what.law[run], *(np.where(is_same, kept[run], other) for kept, other in zip(
                 what[1:], (stiffness, centre, std)))))
-        odds = found.evidence - evidence + hazard - negativity(found, what.law[run], scene, inf)
+        odds = found.evidence - evidence + hazard - negativity(found, what.law[run], scene)
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
         as_before = np.ones(len(run), bool)
