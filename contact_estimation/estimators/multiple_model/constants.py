@@ -89,7 +89,7 @@ FADE_S = 20.0
 WALK = 0.02
 """Random walk of a stiffness that drifts, relative to it [1/sqrt(s)]: 2 % in a second."""
 
-SPEED, CREEP = 1e-2, 3e-4
+SPEED, CREEP = 1e-2, 1e-3
 """Speed of a wall that moves and of one that creeps, and how much each changes in a second [m/s]:
 a hand, a conveyor; foam, a joint that sags. `studies online --only followed` shows others."""
 
