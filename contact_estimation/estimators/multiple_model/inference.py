@@ -156,7 +156,8 @@ class WallInference:
             return
         yield
         phi = blocks.rows(self._sums.x0, self._sums.deepest)
-        phi[FORCE] -= self.inertia * phi[ACCELERATION]
+        if self.inertia:
+            phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights, told = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)

@@ -125,7 +125,8 @@ class DoubtedRows(OwnData):
         samples: independent ones in a row
         """
         self.gram = self.gram * fade + (phi * (weights / told)) @ phi.T
-        self.gained = fade * self.gained - 0.5 * samples * float(np.log(told).sum())
+        self.gained = fade * self.gained - 0.5 * samples * float(
+            np.add.reduce(np.log(told)))
 
 
 class MovingWall(OwnData):
@@ -152,7 +153,7 @@ class MovingWall(OwnData):
         walk = scale * scale * step
         column = known[self._column]
         told = 1.0 + walk * float(column[self._column])
-        self.gram = known - (walk / told) * np.outer(column, column)
+        self.gram = known - (walk / told) * (column[:, None] * column)
         self.gained = fade * self.gained - 0.5 * log(told)
 
     @property

@@ -9,8 +9,7 @@ between them stays exact, also across the touch, where y = max(x - x0, 0) has a 
 noise of the force keeps its variance in the sums.
 """
 
-from math import inf, pi, sqrt
-from typing import Sequence
+from math import inf, isfinite, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,19 @@ _HOP_S = 0.004  # between windows: the standard deviation of the kernel, so that
 _SHARP = 3.2e-4  # deviation of a normal distribution whose sign is like tanh(v / 0.4 mm/s)
 _LEAST_ROOT = 0.3  # of the greatest depth: nearer to the touch a series in the shift is none
 _MOVES = 4.0  # times its noise, from which a mean square rate, or a mean, is motion
+
+# What is smoothed: y, y^2 / 2, y^1.5, y^2.5 / 2.5, 1.5 y^0.5, 0.75 y^-0.5, y^3 / 3 and f.
+_Y, _Y2, _Y15, _Y25, _Y05, _ROOT_INVERSE, _Y3, _F = range(8)
+# Column, signal, order of the derivative and factor.
+_SMOOTHED = (
+    (DEPTH, _Y, 0, 1.0), (RATE, _Y, 1, 1.0), (ACCELERATION, _Y, 2, 1.0), (SQUARE, _Y2, 0, 2.0),
+    (SQUARE_RATE, _Y2, 1, 1.0), (POWER, _Y15, 0, 1.0), (POWER_RATE, _Y15, 1, 1.0),
+    (POWER_DAMPING, _Y25, 1, 1.0), (POWER_SLOPE, _Y05, 0, 1.0),
+    (POWER_CURVE, _ROOT_INVERSE, 0, 1.0), (CUBE, _Y3, 0, 3.0), (CUBE_RATE, _Y3, 1, 1.0),
+    (FORCE, _F, 0, 1.0), (FORCE_RATE, _F, 1, 1.0))
+_PLACES, _FACTORS = np.zeros(COLUMNS, int), np.zeros((COLUMNS, 1))
+for _column, _signal, _order, _factor in _SMOOTHED:
+    _PLACES[_column], _FACTORS[_column] = 3 * _signal + _order, _factor
 
 
 class Smoothing:
@@ -71,7 +83,7 @@ class Smoothing:
 
     def rows(
         self, force: Array, x: Array, v: Array, x0: float, noise: tuple[float, float],
-        touching: bool = False, bent: Sequence[Array] = (), deepest: float = -inf,
+        touching: bool = False, bent: Array | None = None, deepest: float = -inf,
     ) -> Array:
         """
         Return the rows of successive samples.
@@ -82,19 +94,26 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         deepest: greatest position before [m]
-        bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
+        bent (2, length(N)): as of `WallPosterior.take`; None where no known physics bend the wall
         Returns phi (21, N): the columns of `laws`, a row for each window
         """
-        phi, inside = self._of_positions(force, x - x0, touching, deepest - x0)
-        windows = phi.shape[1]
+        y = x - x0
+        inside = np.maximum(y, 0.0)
+        if touching:
+            y = inside
+        windows = (len(x) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
+        smooth = (_signals(force, y, inside) @ table).reshape(-1, windows)
+        phi = smooth[_PLACES] * _FACTORS
+        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
+        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest - x0)) @ mean)
         phi[NOISE] = sqrt(noise[0] * self.noise)
-        if any(column.any() for column in bent):
+        if bent is not None and bent.any():
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean
         rate_noise, bend_noise = noise[0] * self.rate_noise, noise[0] * self.bend_noise
-        if not touching and np.isfinite(v).all():
-            of_v = (v @ table).reshape(3, windows)
+        of_v = (v @ table).reshape(3, windows)
+        if not touching and isfinite(of_v[0, 0]):  # all or nothing: 0 times NaN is NaN
             phi[RATE], rate_noise = _fused(
                 phi[RATE], rate_noise, of_v[0], noise[1] * self.noise)
             phi[ACCELERATION], bend_noise = _fused(
@@ -116,38 +135,25 @@ class Smoothing:
         phi[NOISE:, ::2] *= -1.0  # of either sign, so that no other column has them
         return phi
 
-    def _of_positions(
-        self, force: Array, y: Array, touching: bool, deepest: float
-    ) -> tuple[Array, Array]:
-        """Return the columns (21, N) but those of noise, of depths y (N,), and y inside."""
-        windows = (len(y) - 2 * self.half - 1) // self.hop + 1
-        table, mean, _ = self.bands(windows)
-        inside = np.maximum(y, 0.0)
-        if touching:
-            y = inside
-        root = np.sqrt(inside)
-        power, square = inside * root, y * y
-        signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
-                            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
-                            square * y / 3.0, force])
-        smooth = (signals @ table).reshape(8, 3, windows)
-        phi = np.zeros((COLUMNS, windows))
-        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
-        phi[DEPTH:ACCELERATION + 1] = smooth[0]
-        phi[SQUARE] = 2.0 * smooth[1, 0]
-        phi[SQUARE_RATE] = smooth[1, 1]
-        phi[POWER:POWER_RATE + 1] = smooth[2, :2]
-        phi[POWER_DAMPING] = smooth[3, 1]
-        phi[POWER_SLOPE] = smooth[4, 0]
-        phi[POWER_CURVE] = smooth[5, 0]
-        phi[CUBE], phi[CUBE_RATE] = 3.0 * smooth[6, 0], smooth[6, 1]
-        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest)) @ mean)
-        phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
-        return phi, inside
+
+def _signals(force: Array, y: Array, inside: Array) -> Array:
+    """Return what is smoothed (8, N), of depths y (N,)."""
+    signals = np.empty((8, len(y)))
+    root, square = np.sqrt(inside), y * y
+    power = np.multiply(inside, root, out=signals[_Y15])
+    signals[_Y], signals[_F] = y, force
+    np.multiply(square, 0.5, out=signals[_Y2])
+    np.divide(power * inside, 2.5, out=signals[_Y25])
+    np.multiply(root, 1.5, out=signals[_Y05])
+    np.divide(0.75, np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
+              out=signals[_ROOT_INVERSE])
+    np.divide(square * y, 3.0, out=signals[_Y3])
+    return signals
 
 
 def _fused(rate: Array, own: float, measured: Array, least: float) -> tuple[Array, float]:
     """Weigh a rate of the positions and the measured one by the variance of each."""
     usual = own * (1.0 + 4.0 / sqrt(len(rate)))  # two deviations of what overlapping windows show
-    other = max(float(np.mean(np.square(measured - rate))) - usual, least, 1e-20)
+    off = float(np.add.reduce(np.square(measured - rate))) / len(rate)
+    other = max(off - usual, least, 1e-20)
     return (other * rate + own * measured) / (other + own), other * own / (other + own)
