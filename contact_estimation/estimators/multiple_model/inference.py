@@ -272,8 +272,8 @@ class WallInference:
         self.rhythm.judged()
         what, grams, of_law = sums.posed(scene)
         moves: NDArray[np.bool_] = what.law >= MOVING
-        judged = yield from judge_in_parts(grams, scene, what)
         yield
+        judged = yield from judge_in_parts(grams, scene, what)
         prior = sums.place_prior
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative

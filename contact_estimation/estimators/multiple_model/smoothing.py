@@ -26,19 +26,6 @@ _SHARP = 3.2e-4  # deviation of a normal distribution whose sign is like tanh(v 
 _LEAST_ROOT = 0.3  # of the greatest depth: nearer to the touch a series in the shift is none
 _MOVES = 4.0  # times its noise, from which a mean square rate, or a mean, is motion
 
-# What is smoothed: y, y^2 / 2, y^1.5, y^2.5 / 2.5, 1.5 y^0.5, 0.75 y^-0.5, y^3 / 3 and f.
-_Y, _Y2, _Y15, _Y25, _Y05, _ROOT_INVERSE, _Y3, _F = range(8)
-# Column, signal, order of the derivative and factor.
-_SMOOTHED = (
-    (DEPTH, _Y, 0, 1.0), (RATE, _Y, 1, 1.0), (ACCELERATION, _Y, 2, 1.0), (SQUARE, _Y2, 0, 2.0),
-    (SQUARE_RATE, _Y2, 1, 1.0), (POWER, _Y15, 0, 1.0), (POWER_RATE, _Y15, 1, 1.0),
-    (POWER_DAMPING, _Y25, 1, 1.0), (POWER_SLOPE, _Y05, 0, 1.0),
-    (POWER_CURVE, _ROOT_INVERSE, 0, 1.0), (CUBE, _Y3, 0, 3.0), (CUBE_RATE, _Y3, 1, 1.0),
-    (FORCE, _F, 0, 1.0), (FORCE_RATE, _F, 1, 1.0))
-_PLACES, _FACTORS = np.zeros(COLUMNS, int), np.zeros((COLUMNS, 1))
-for _column, _signal, _order, _factor in _SMOOTHED:
-    _PLACES[_column], _FACTORS[_column] = 3 * _signal + _order, _factor
-
 
 class Smoothing:
     """
@@ -97,23 +84,16 @@ class Smoothing:
         bent (2, length(N)): as of `WallPosterior.take`; None where no known physics bend the wall
         Returns phi (21, N): the columns of `laws`, a row for each window
         """
-        y = x - x0
-        inside = np.maximum(y, 0.0)
-        if touching:
-            y = inside
-        windows = (len(x) - 2 * self.half - 1) // self.hop + 1
+        phi, inside = self._of_positions(force, x - x0, touching, deepest - x0)
+        windows = phi.shape[1]
         table, mean, _ = self.bands(windows)
-        smooth = (_signals(force, y, inside) @ table).reshape(-1, windows)
-        phi = smooth[_PLACES] * _FACTORS
-        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
-        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest - x0)) @ mean)
         phi[NOISE] = sqrt(noise[0] * self.noise)
         if bent is not None and bent.any():
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean
         rate_noise, bend_noise = noise[0] * self.rate_noise, noise[0] * self.bend_noise
-        of_v = (v @ table).reshape(3, windows)
-        if not touching and isfinite(of_v[0, 0]):  # all or nothing: 0 times NaN is NaN
+        if not touching and isfinite(v @ v):
+            of_v = (v @ table).reshape(3, windows)
             phi[RATE], rate_noise = _fused(
                 phi[RATE], rate_noise, of_v[0], noise[1] * self.noise)
             phi[ACCELERATION], bend_noise = _fused(
@@ -135,20 +115,34 @@ class Smoothing:
         phi[NOISE:, ::2] *= -1.0  # of either sign, so that no other column has them
         return phi
 
-
-def _signals(force: Array, y: Array, inside: Array) -> Array:
-    """Return what is smoothed (8, N), of depths y (N,)."""
-    signals = np.empty((8, len(y)))
-    root, square = np.sqrt(inside), y * y
-    power = np.multiply(inside, root, out=signals[_Y15])
-    signals[_Y], signals[_F] = y, force
-    np.multiply(square, 0.5, out=signals[_Y2])
-    np.divide(power * inside, 2.5, out=signals[_Y25])
-    np.multiply(root, 1.5, out=signals[_Y05])
-    np.divide(0.75, np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
-              out=signals[_ROOT_INVERSE])
-    np.divide(square * y, 3.0, out=signals[_Y3])
-    return signals
+    def _of_positions(
+        self, force: Array, y: Array, touching: bool, deepest: float
+    ) -> tuple[Array, Array]:
+        """Return the columns (21, N) but those of noise, of depths y (N,), and y inside."""
+        windows = (len(y) - 2 * self.half - 1) // self.hop + 1
+        table, mean, _ = self.bands(windows)
+        inside = np.maximum(y, 0.0)
+        if touching:
+            y = inside
+        root = np.sqrt(inside)
+        power, square = inside * root, y * y
+        smooth = (np.concatenate([
+            y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
+            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9), square * y / 3.0, force,
+        ]).reshape(8, -1) @ table).reshape(8, 3, windows)
+        phi = np.zeros((COLUMNS, windows))
+        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
+        phi[DEPTH:ACCELERATION + 1] = smooth[0]
+        phi[SQUARE] = 2.0 * smooth[1, 0]
+        phi[SQUARE_RATE] = smooth[1, 1]
+        phi[POWER:POWER_RATE + 1] = smooth[2, :2]
+        phi[POWER_DAMPING] = smooth[3, 1]
+        phi[POWER_SLOPE] = smooth[4, 0]
+        phi[POWER_CURVE] = smooth[5, 0]
+        phi[CUBE], phi[CUBE_RATE] = 3.0 * smooth[6, 0], smooth[6, 1]
+        phi[SET] = -(np.maximum.accumulate(np.maximum(y, deepest)) @ mean)
+        phi[FORCE:FORCE_RATE + 1] = smooth[7, :2]
+        return phi, inside
 
 
 def _fused(rate: Array, own: float, measured: Array, least: float) -> tuple[Array, float]:
