@@ -240,13 +240,14 @@ class Blocks:
         apart = self._sparse + 1  # they share no joint state
         if recent.shape[1] <= 3 * apart:
             return
-        gain, found = min(count / _NOISE_SAMPLES, _GREATEST_GAIN), list[list[float]]()
+        gain = min(count / _NOISE_SAMPLES, _GREATEST_GAIN)
+        found: list[list[float]] = []
         for step, parts in zip((apart, 1), self._parts):
             first = recent[:, step:] - recent[:, :-step]
             third = first[:, 2 * step:] - 2.0 * first[:, step:-step] + first[:, :-2 * step]
             squares = third * third / 20.0
-            moved, rates = _means(first * first), list[float]()
-            for part, own, square in zip(parts, squares, moved):
+            rates: list[float] = []
+            for part, own, square in zip(parts, squares, _means(first * first)):
                 if part[0] != part[0] and square == square:
                     part[0] = max(float(np.median(own)) / 0.455, _means(own[None])[0] / 9.0)
                     part[0] += 1e-20

@@ -145,7 +145,7 @@ class ContactFilter:
     def _variances(self, forces: Floats) -> list[float]:
         """Return the variance of the white noise as known with each force."""
         variance, last, before, equal, learned = self._noise
-        least, found = self._least, list[float]()
+        found: list[float] = []  # list[float]() takes ten times as long
         for force in forces:
             equal = equal + 1 if force == last else 0
             if equal < _SAME:
@@ -154,7 +154,7 @@ class ContactFilter:
                 if learned < NOISE_SAMPLES:
                     learned += 1
                 variance += ((square if square < most else most) - variance) / learned
-                variance = variance if variance > least else least
+                variance = variance if variance > self._least else self._least
             found.append(variance)
             before, last = last, force
         self._noise = variance, last, before, equal, learned
@@ -204,8 +204,9 @@ class ContactFilter:
         up, down, level, segment = self._up, self._down, self.level, self._segment
         seconds, count, kept, excess = segment.seconds, 0, 0, self._colour.excess
         whites = self._variances(forces)
-        firm = (up == down == 0.0 and min(places) >= 0.5 * _FAR_OUTSIDE and min(forces) - level
-                > SHIFT * sqrt(max(whites) * excess + self.level_variance))  # both tests stay at 0
+        firm = (len(whites) > 1 and up == down == 0.0  # both tests stay there
+                and min(places) >= 0.5 * _FAR_OUTSIDE and min(forces) - level
+                > SHIFT * sqrt(max(whites) * excess + self.level_variance))
         for dt, force, place, white in zip(dts, forces, places, whites):
             count += 1
             variance = white * excess
