@@ -159,7 +159,8 @@ class WallInference:
             return
         yield
         phi = blocks.rows(self._sums.x0, self._sums.deepest)
-        phi[FORCE] -= self.inertia * phi[ACCELERATION]
+        if self.inertia:
+            phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights, told = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
@@ -274,8 +275,8 @@ class WallInference:
         self.rhythm.judged()
         what, grams, of_law = sums.posed(scene)
         moves: NDArray[np.bool_] = what.law >= MOVING
-        judged = yield from judge_in_parts(grams, scene, what)
         yield
+        judged = yield from judge_in_parts(grams, scene, what)
         prior = sums.place_prior
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative

@@ -162,7 +162,7 @@ class Runs:
         since, places = self._grams[used], len(prior)
         count = len(used)
         judged = yield from judge_in_parts(
-            np.repeat(gram - since, places, axis=0), scene, Hypotheses(
+            gram - since, scene, Hypotheses(
                 np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
         evidence = judged.evidence.reshape(-1, places) + prior
         place = evidence.argmax(axis=1)

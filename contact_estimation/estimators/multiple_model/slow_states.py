@@ -125,7 +125,8 @@ class DoubtedRows(OwnData):
         samples: independent ones in a row
         """
         self.gram = self.gram * fade + (phi * (weights / told)) @ phi.T
-        self.gained = fade * self.gained - 0.5 * samples * float(np.log(told).sum())
+        self.gained = fade * self.gained - 0.5 * samples * float(
+            np.add.reduce(np.log(told)))
 
 
 class MovingWall(OwnData):
@@ -171,7 +172,7 @@ class MovingWall(OwnData):
         """Let the coefficient of a column walk for a time [s]."""
         variance, told = (self._rate * scale) ** 2 * seconds, self.gram[column].copy()
         known = 1.0 + variance * float(told[column])
-        self.gram -= (variance / known) * np.outer(told, told)
+        self.gram -= (variance / known) * (told[:, None] * told)
         self.gained -= 0.5 * log(known)
 
     @property

@@ -221,26 +221,25 @@ class WallStatistics:
         law = np.array([KELVIN_VOIGT])
         what = Hypotheses(*(np.concatenate(one) for one in zip(*(
             hypotheses(law, self.surfaces, scale, scene.depth) for scale in _SCALES))))
-        found = judge(np.repeat(self.gram[None], len(what.law), axis=0), scene, what)
+        found = judge(self.gram[None].copy(), scene, what)
         odds = found.evidence + np.tile(self.place_prior, len(_SCALES))
         odds[found.theta[:, 0] <= 0.0] = -inf
         K, B = found.theta[int(np.argmax(odds)), :2].tolist()
         self.rescale(K, B, LEAST_STIFFNESS, scene.lag[0])
 
     def posed(self, scene: Scene) -> tuple[Hypotheses, Array, Array]:
-        """Return all laws, each with each surface, their Gram matrices, and their log odds."""
+        """Return all laws, each with each surface, Gram matrices of the laws, and log odds."""
         what = hypotheses(np.arange(len(NAMES)), self.surfaces, self.scale, scene.depth)
-        grams, odds = np.repeat(self.gram[None], len(what.law), axis=0), self.odds[what.law]
+        grams, odds = np.repeat(self.gram[None], len(NAMES), axis=0), self.odds[what.law]
+        for one in self.own:
+            grams[one.law] = one.gram
         for one in self.walking:
             own = what.law == one.law
-            grams[own] = one.gram
             far = np.hypot(what.std[own], one.walked)
             odds[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
             what.std[own] = far
         for other in self.doubting:
-            own = what.law == other.law
-            grams[own] = other.gram
-            odds[own] += other.gained
+            odds[what.law == other.law] += other.gained
         return what, grams, odds
 
     def excitation(self) -> tuple[float, float]:
@@ -279,7 +278,7 @@ class WallStatistics:
         if other:
             law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
             what = hypotheses(law, self.surfaces, self.scale, scene.depth)
-            judged = judge(np.repeat(before[None], len(self.surfaces), axis=0), scene, what)
+            judged = judge(before[None].copy(), scene, what)
             odds = judged.evidence + self.place_prior
             order = np.argsort(-odds)
             self.odds = np.maximum(of_laws - of_laws[law], LOG_PRIOR - _FARTHEST)
