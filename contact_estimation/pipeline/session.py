@@ -226,7 +226,8 @@ class ContactSession:
         self.rejection_texts[reason] = text
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
-        results, agenda = list[Result](), self._agenda
+        results: list[Result] = []
+        agenda = self._agenda
         if self._synchroniser.jumped:
             self._restart_time()
         if self._generates:

@@ -27,6 +27,7 @@ _BEFORE_END_S = 0.05  # of a contact: the wall is being left
 _EVERY_S = 0.1  # between instants at which bands are checked
 _FAMILIES = {'hunt_crossley_1': 'hunt_crossley', 'hunt_crossley_1.5': 'hunt_crossley',
              'hunt_crossley_2': 'hunt_crossley', 'moving_wall': 'moving',
+             'creeping_wall': 'moving',
              'kelvin_voigt': 'spring_damper'}  # others are families of their own
 BAND = 2.0
 """Standard deviations in which the truth should be."""

@@ -14,7 +14,7 @@ from .online_row import (
     AS_TOLD, drawn_location, drawn_sensor, drawn_wall, law_families, presses, Row, Score, score,
     settled_instants, spread, Trace, WITHIN)
 from .online_worlds import FINE, simulate, World
-from .paths import Array, ramp
+from .paths import Array, path_at, ramp
 from ..estimators.stiffness_matrix import (
     MatrixEstimate, StiffnessMatrix, StiffnessMatrixParameters)
 from ..physics.prior import log_uniform
@@ -126,6 +126,33 @@ def _drift(draw: np.random.Generator, index: int) -> World:
                     drawn_sensor(draw), draw)
 
 
+_FOLLOWED = 'away', 'toward', 'to and fro'
+_FOLLOW_S, _LAG_S = 6.0, 0.05  # duration of the motion; by which the tool follows at most
+_FARTHEST, _NEAREST = 0.03, 1e-3  # distance of the motion [m]
+
+
+def _followed(draw: np.random.Generator, index: int) -> World:
+    """Move a wall that a controller of the force follows."""
+    motion = _FOLLOWED[index % len(_FOLLOWED)]
+    parameters, x_e = drawn_location(draw, (AS_TOLD, WITHIN)[index // len(_FOLLOWED) % 2])
+    wall = drawn_wall(draw, spread(index), x_e)
+    depth = min(_PRESS / wall.stiffness, 0.03)
+    pieces, seconds = presses(draw, depth, contacts=1, hold_s=10.0, excited=False)
+    distance = log_uniform(draw, _NEAREST, _FARTHEST) * (-1.0 if motion == 'toward' else 1.0)
+    back = motion == 'to and fro'
+    lasts = _FOLLOW_S / (1.0 + back)
+    # The fastest of a quintic is 1.9 times its mean; the force must not fall to half.
+    lag = min(_LAG_S, 0.25 * depth * lasts / abs(distance))
+    moves = [(2.5, distance), (2.5 + lasts, -distance)][:1 + back]
+
+    def shift(t: Array) -> Array:
+        return path_at([ramp(begin, lasts, by) for begin, by in moves], t)
+
+    pieces.append(lambda t: shift(t - lag))
+    return simulate(motion, parameters, pieces, seconds, wall._replace(shift=shift),
+                    drawn_sensor(draw), draw)
+
+
 # -- matrices ---------------------------------------------------------------------------------
 
 FRICTIONS = (0.0, 0.1, 0.3, 0.8)
@@ -230,6 +257,7 @@ def score_of(world: MatrixWorld, found: MatrixEstimate) -> Score:
 ROWS = {
     'laws': Row('3 s after the touch of walls of other laws', 84, 28, _laws, _score_laws),
     'steps': Row('stiffness that changes in contact', 40, 10, _steps, _score_steps),
+    'followed': Row('wall that moves, followed at a constant force', 24, 6, _followed, score),
     'drift': Row('stiffness that grows by half in 10 s', 12, 4, _drift, score),
     'matrix': Row('full matrices after 6 s of motion', 240, 24, make_world, score_of, estimate_of),
 }

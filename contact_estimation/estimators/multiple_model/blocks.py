@@ -27,6 +27,7 @@ _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a 
 _NOISE_SAMPLES = 200  # over which the noise of the position is averaged
 _GREATEST_GAIN = 0.8  # at which noise stays positive
 _JUMP = 6.0  # standard deviations of a difference that is no noise
+_LEAST_VARIANCE = 1e-150  # of a signal without noise, so that its square is positive
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
 FIRST = 20
 """Samples from which period and noise are learned."""
@@ -52,9 +53,9 @@ class Blocks:
         self._least = position_noise * position_noise
         self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
         self.noise = nan, nan
-        # Of samples far from each other and of neighbours: variance at rest of position and rate,
-        # and that of their stamps [s^2].
-        self._parts = np.full((2, 2, 2), nan)
+        # Of samples far from each other and of neighbours, for position and rate each: variance at
+        # rest, and that of the stamps [s^2].
+        self._parts = [[[nan, nan] for _ in range(2)] for _ in range(2)]
         self._sparse = 1  # samples from one joint state to the next
         self._since = self._until = nan  # between which the period is measured
         self._selected: tuple[Array, Array, Array, NDArray[np.bool_]]
@@ -239,22 +240,27 @@ class Blocks:
         apart = self._sparse + 1  # they share no joint state
         if recent.shape[1] <= 3 * apart:
             return
-        gain, found = min(count / _NOISE_SAMPLES, _GREATEST_GAIN), list[list[float]]()
+        gain = min(count / _NOISE_SAMPLES, _GREATEST_GAIN)
+        found: list[list[float]] = []
         for step, parts in zip((apart, 1), self._parts):
             first = recent[:, step:] - recent[:, :-step]
             third = first[:, 2 * step:] - 2.0 * first[:, step:-step] + first[:, :-2 * step]
             squares = third * third / 20.0
-            new = np.isnan(parts[0])
-            parts[0, new] = np.maximum(
-                np.median(squares[new], axis=1) / 0.455, squares[new].mean(axis=1) / 9.0) + 1e-20
-            parts[1, new] = 2.0 * JITTER_S * JITTER_S  # of stamps of both
-            moved = np.square(first).mean(axis=1) - 2.0 * parts[0]
-            rate = np.maximum(moved, 0.0) / (step * self.period_s) ** 2  # its square
-            both = np.stack([parts[0], parts[1] * rate])
-            total = both.sum(axis=0)
-            mean = np.minimum(squares, 9.0 * total[:, None]).mean(axis=1)
-            parts *= 1.0 + gain * (mean - total) / np.square(both).sum(axis=0) * both
-            found.append((parts[0] + parts[1] * rate).tolist())
+            rates: list[float] = []
+            for part, own, square in zip(parts, squares, _means(first * first)):
+                if part[0] != part[0] and square == square:
+                    part[0] = max(float(np.median(own)) / 0.455, _means(own[None])[0] / 9.0)
+                    part[0] += 1e-20
+                    part[1] = 2.0 * JITTER_S * JITTER_S  # of stamps of both
+                rates.append(max(square - 2.0 * part[0], 0.0) / (step * self.period_s) ** 2)
+            totals = [rest + stamps * rate for (rest, stamps), rate in zip(parts, rates)]
+            means = _means(np.minimum(squares, 9.0 * np.array(totals)[:, None]))
+            for part, rate, total, mean in zip(parts, rates, totals, means):
+                rest, jitter = part[0], part[1] * rate
+                share = gain * (mean - total) / (rest * rest + jitter * jitter)
+                part[0] = max(rest * (1.0 + share * rest), _LEAST_VARIANCE)
+                part[1] *= 1.0 + share * jitter
+            found.append([rest + stamps * rate for (rest, stamps), rate in zip(parts, rates)])
         if self._sparse > 1:
             noise = [1.5 * self._sparse * far for far in found[0]]
         else:
@@ -271,14 +277,17 @@ class Blocks:
         recent = self._buffer[:, end - count:end]
         force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
         inside = (recent[-1, 2:-2] > 0.0) & (course > PRESSES * deviation)
-        whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])
+        whole = np.ones(windows, np.bool_)
+        if not inside.all():
+            whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])
         self._selected = force, x, recent[2:-1, 2:-2].copy(), whole
         return bool(whole.any()) and not self._is_frozen(force, x, deviation)
 
     def rows(self, x0: float, deepest: float) -> Array:
         """Return the rows of the windows selected, about x0; greatest position before [m]."""
-        force, x, (v, *bent), whole = self._selected
-        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent, deepest=deepest)
+        force, x, signals, whole = self._selected
+        phi = self.smoothing.rows(
+            force, x, signals[0], x0, self.noise, bent=signals[1:], deepest=deepest)
         return phi if whole.all() else phi[:, whole]
 
     def next_to_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
@@ -298,16 +307,16 @@ class Blocks:
     ) -> tuple[Array, Array, Array]:
         """Return force and position with medians for outliers, and the course of the force."""
         middle = both[:, 2:-2]
-        bound = np.array([[_OUTLIER * deviation],
-                          [_POSITION_OUTLIER * sqrt(self.noise[0]) + 1e-7]])
+        bounds = _OUTLIER * deviation, _POSITION_OUTLIER * sqrt(self.noise[0]) + 1e-7
         bends = np.abs(both[:, 1:-3] - 2.0 * middle + both[:, 3:-1])
-        if not (bends > bound).any():  # an outlier bends the course at least as much
-            force, x = middle
-            return force - level, x, force - level
+        bend, bend_of_x = np.maximum.reduce(bends, axis=1).tolist()
+        if bend <= bounds[0] and bend_of_x <= bounds[1]:  # an outlier bends as much, at least
+            force = middle[0] - level
+            return force, middle[1], force
         window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
         median = np.sort(window, axis=2)[:, :, 2]
         step = np.abs(np.diff(median, axis=1, prepend=median[:, :1]))
-        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * step
+        bound = np.array(bounds)[:, None] + np.array([[_STEEP], [_STEEP_POSITION]]) * step
         # A peak of the motion is a cubic of time, if few samples long; an outlier is none.
         cubic = (4.0 * (both[:, 1:-3] + both[:, 3:-1]) - both[:, :-4] - both[:, 4:]) / 6.0
         outside = (np.abs(middle - median) > bound) & (np.abs(middle - cubic) > _CUBIC * bound)
@@ -317,11 +326,15 @@ class Blocks:
 
     def _is_frozen(self, force: Array, x: Array, deviation: float) -> bool:
         """Return whether a channel repeats one value while the other moves."""
-        moves = x != x[0]
-        if moves.any():
+        if x[0] != x[-1] or (x != x[0]).any():
             self._still = nan
             return bool(np.count_nonzero(force[1:] == force[:-1]) > 0.8 * len(force))
         mean = float(force.mean())
         if self._still != self._still:
             self._still = mean
         return abs(mean - self._still) > 5.0 * deviation / sqrt(len(x)) + 0.01 * abs(mean)
+
+
+def _means(rows: Array) -> list[float]:
+    """Return the mean of each row."""
+    return [one / rows.shape[1] for one in np.add.reduce(rows, axis=1).tolist()]

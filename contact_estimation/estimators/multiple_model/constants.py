@@ -87,8 +87,11 @@ FADE_S = 20.0
 """Memory of all else [s of contact]."""
 
 WALK = 0.02
-"""Random walk of the force of a wall whose surface moves or whose stiffness drifts, relative to it
-[1/sqrt(s)]: 2 % of the stiffness, or at a depth of 10 mm 0.2 mm of the surface, in a second."""
+"""Random walk of a stiffness that drifts, relative to it [1/sqrt(s)]: 2 % in a second."""
+
+SPEED, CREEP = 1e-2, 1e-3
+"""Speed of a wall that moves and of one that creeps, and how much each changes in a second [m/s]:
+a hand, a conveyor; foam, a joint that sags. `studies online --only followed` shows others."""
 
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4

@@ -126,10 +126,12 @@ class ContactFilter:
         surface, std: x_e as known, NaN where it is not, and its standard deviation [m]
         Returns count: number of samples judged
         """
-        before, self._surface = self.state, surface - _OUTSIDE * std
+        before, self._surface, noise = self.state, surface - _OUTSIDE * std, self._noise
         judge = (self._in_free_flight, self._in_contact, self._in_neither)[before]
         count = judge(dt, force, x, _places(x, surface, std))
         if self.state != before:
+            self._noise = noise
+            self._variances(force[:count])
             self._begin_state()
         return count
 
@@ -140,31 +142,35 @@ class ContactFilter:
         self._pressed = 0.0
         self._stepped = self.level, (self._noise[1] - self.level) ** 2
 
-    def _variance_with(self, force: float) -> float:
-        """Return the variance of the noise as known with a sample, from second differences."""
+    def _variances(self, forces: Floats) -> list[float]:
+        """Return the variance of the white noise as known with each force."""
         variance, last, before, equal, learned = self._noise
-        equal = equal + 1 if force == last else 0
-        if equal < _SAME:
-            bend = force - 2.0 * last + before
-            square, most = bend * bend / SECOND, CLIPPED_SQUARE * variance
-            if learned < NOISE_SAMPLES:
-                learned += 1
-            variance += ((square if square < most else most) - variance) / learned
-            variance = variance if variance > self._least else self._least
-        self._noise = variance, force, last, equal, learned
-        return variance * self._colour.excess
+        found: list[float] = []  # list[float]() takes ten times as long
+        for force in forces:
+            equal = equal + 1 if force == last else 0
+            if equal < _SAME:
+                bend = force - 2.0 * last + before
+                square, most = bend * bend / SECOND, CLIPPED_SQUARE * variance
+                if learned < NOISE_SAMPLES:
+                    learned += 1
+                variance += ((square if square < most else most) - variance) / learned
+                variance = variance if variance > self._least else self._least
+            found.append(variance)
+            before, last = last, force
+        self._noise = variance, last, before, equal, learned
+        return found
 
     def _in_free_flight(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         up, down, level, level_variance = self._up, self._down, self.level, self.level_variance
         walk, count, onset = LEVEL_WALK * LEVEL_WALK, 0, self.onset
-        variance_with, colour, waiting = self._variance_with, self._colour, self._colour.waiting
-        for dt, force, x, place in zip(dts, forces, xs, places):
+        colour, waiting, excess = self._colour, self._colour.waiting, self._colour.excess
+        for dt, force, x, place, white in zip(dts, forces, xs, places, self._variances(forces)):
             count += 1
-            variance = variance_with(force)
+            variance = white * excess
             waiting.append(force)
             if len(waiting) == FINEST:
-                white = self._noise[0]
                 colour.learn(white if white > self._least else 0.0)
+                excess = colour.excess
             if up == 0.0:
                 onset = x
             deviation, pressing = sqrt(variance + level_variance), force - level
@@ -196,23 +202,28 @@ class ContactFilter:
 
     def _in_contact(self, dts: Floats, forces: Floats, xs: Floats, places: Floats) -> int:
         up, down, level, segment = self._up, self._down, self.level, self._segment
-        seconds, count, kept = segment.seconds, 0, 0
-        for dt, force, place in zip(dts, forces, places):
+        seconds, count, kept, excess = segment.seconds, 0, 0, self._colour.excess
+        whites = self._variances(forces)
+        firm = (len(whites) > 1 and up == down == 0.0  # both tests stay there
+                and min(places) >= 0.5 * _FAR_OUTSIDE and min(forces) - level
+                > SHIFT * sqrt(max(whites) * excess + self.level_variance))
+        for dt, force, place, white in zip(dts, forces, places, whites):
             count += 1
-            variance = self._variance_with(force)
-            pressing = force - level
-            z = pressing / sqrt(variance + self.level_variance)
-            z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-            remains = z > _PRESSES and not 0.0 < self._pressed < 2.0 * pressing
-            down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if remains else 0.0)
-            down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
+            variance = white * excess
             seconds += dt
-            if down > RELEASE:
-                self.state = NEITHER if z < -SLOPE_STD else FREE
-                break
-            if up > 2.0 * TOUCH:  # a force remains where no wall is
-                self.state = NEITHER
-                break
+            if not firm:
+                pressing = force - level
+                z = pressing / sqrt(variance + self.level_variance)
+                z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
+                remains = z > _PRESSES and not 0.0 < self._pressed < 2.0 * pressing
+                down, up = down + SHIFT - z, up + 0.5 * _FAR_OUTSIDE - (place if remains else 0.0)
+                down, up = down if down > 0.0 else 0.0, up if up > 0.0 else 0.0
+                if down > RELEASE:
+                    self.state = NEITHER if z < -SLOPE_STD else FREE
+                    break
+                if up > 2.0 * TOUCH:  # a force remains where no wall is
+                    self.state = NEITHER
+                    break
             if seconds > self._look_s:
                 segment.add(seconds, xs[kept:count], forces[kept:count])
                 kept = count
@@ -247,7 +258,7 @@ class ContactFilter:
         count, segment = 0, self._segment
         for dt, force, x, place in zip(dts, forces, xs, places):
             count += 1
-            variance = self._variance_with(force)
+            variance = self._variances((force,))[0] * self._colour.excess
             z = (force - self.level) / sqrt(variance + self.level_variance)
             z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
             self._down = max(self._down + 2.0 - abs(z), 0.0)

@@ -113,7 +113,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
 
     The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2 + level), couples K and s.
 
-    grams (N, 21, 21): one for each hypothesis; they are overwritten
+    grams (M, 22, 22): each of N / M hypotheses in a row; they are overwritten
     """
     return _solved(_normal(grams, scene, what))
 
@@ -130,25 +130,25 @@ def judge_in_parts(
 def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
-    reliability, rate, rest = _calibrate(grams)
+    of = np.repeat(np.arange(len(grams)), count // len(grams))
+    reliability, rate, rest = (one[of] for one in _calibrate(grams))
     K = np.maximum(what.stiffness, _SOFTEST)
     chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
-    flat = grams.reshape(count, -1)
-    row = np.arange(count)
-    gram = flat[row[:, None], _FLAT[laws]].reshape(
+    late_laws, bent = LATE[laws], np.flatnonzero(laws == BENT)
+    gram = grams.reshape(len(grams), -1)[of[:, None], _FLAT[laws]].reshape(
         count, UNKNOWNS + 1, UNKNOWNS + 1) * (scale[:, :, None] * scale[:, None, :])
-    tau = np.where(LATE[laws], scene.lag[0], 0.0)  # f + tau f' for f
-    if scene.lag[0] and tau.any():
-        late = tau[:, None] * np.take_along_axis(grams[:, FORCE_RATE], chosen, axis=1) * scale
+    if scene.lag[0] and late_laws.any():
+        tau = np.where(late_laws, scene.lag[0], 0.0)  # f + tau f' for f
+        late = tau[:, None] * grams[of[:, None], FORCE_RATE, chosen] * scale
         gram[:, :UNKNOWNS, UNKNOWNS] += late[:, :UNKNOWNS]
         gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * late[:, UNKNOWNS] + tau * tau * grams[
-            :, FORCE_RATE, FORCE_RATE]
-    bent = laws == BENT  # y^k / D^(k-1) - y, so that K is the secant at the depth
-    gram[bent, 4:6] -= gram[bent, 0:1]
-    gram[bent, :, 4:6] -= gram[bent, :, 0:1]
+            of, FORCE_RATE, FORCE_RATE]
+    if len(bent):  # y^k / D^(k-1) - y, so that K is the secant at the depth
+        gram[bent, 4:6] -= gram[bent, 0:1]
+        gram[bent, :, 4:6] -= gram[bent, :, 0:1]
     mean, std = prior(laws, K, scene.damping, scene.lag)
     std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
-    std[:, 3], there, lost = _surface(scene, what, K, scale)
+    std[:, 3], there, lost = _surface(scene, what, K, scale, bent)
     precision = std ** -2.0
     L = precision[:, 3, None, None] * there[:, :, None] * there[:, None, :]
     precision[:, 3] = 0.0
@@ -161,18 +161,18 @@ def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1) + lost
     doubt = NOISE_DOUBT * (1.0 - reliability) / np.maximum(reliability, 1e-3)
-    of_one = np.maximum(grams[:, ONE, ONE], 1e-30)
+    of_one = np.maximum(grams[of, ONE, ONE], 1e-30)
     times = _TIMES[laws]
     scatter = np.stack([
-        gram[:, 0, 0] - (scale[:, 0] * grams[row, chosen[:, 0], ONE]) ** 2 / of_one,
+        gram[:, 0, 0] - (scale[:, 0] * grams[of, chosen[:, 0], ONE]) ** 2 / of_one,
         gram[:, 1, 1] + scale[:, 1] ** 2 * rate * (
-            rate * grams[row, times, times] - 2.0 * grams[row, chosen[:, 1], times]),
-        np.where(LATE[laws], 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
+            rate * grams[of, times, times] - 2.0 * grams[of, chosen[:, 1], times]),
+        np.where(late_laws, 0.0, reliability[:, 2] ** 2 * rest)], axis=1)
     return _Normal(scaled, unit, eta, std, squares, doubt * np.maximum(scatter, 0.0))
 
 
 def _surface(
-    scene: Scene, what: Hypotheses, K: Array, scale: Array
+    scene: Scene, what: Hypotheses, K: Array, scale: Array, bent: Ints
 ) -> tuple[Array, Array, Array]:
     """Return the prior of s: its deviation, the force at the surface, and what it costs."""
     # A curved law is known near x0 only: its prior is cut off by exp(-s^2 / 2 near).
@@ -183,9 +183,9 @@ def _surface(
     offset = offset / (1.0 + told / near)
     there = np.zeros((len(K), UNKNOWNS))
     there[:, 3], there[:, 0] = 1.0, offset
-    bent = what.law == BENT
-    o = offset[bent, None]
-    there[bent, 4:] = o * np.concatenate([o, o * o], axis=1) * scale[bent, 4:6] - o
+    if len(bent):
+        o = offset[bent, None]
+        there[bent, 4:] = o * np.concatenate([o, o * o], axis=1) * scale[bent, 4:6] - o
     return np.sqrt(1.0 / (1.0 / told + 1.0 / near)), there, lost
 
 
@@ -317,4 +317,4 @@ def negativity(judged: Judged, laws: Ints, scene: Scene) -> Array:
                        np.where((laws == FRICTION) | (laws == YIELDING), theta[:, 4], 0.0)])
     variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
     below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
-    return np.minimum(0.5 * below.sum(0), 15.0)
+    return np.asarray(0.5 * below.sum(0))

@@ -119,6 +119,9 @@ class WallInference:
         other = bool(self.rhythm.blocks) and known.valid and elsewhere
         if other:
             self._begin_anew()
+        elif self.rhythm.blocks:
+            for one in self._sums.walking:
+                one.leave(free_s, self._sums.scale)
         if not self.rhythm.blocks:
             self._sums.x0 = onset  # powers of the depth are right near their reference only
             self._sums.look_near(*self._touched[:2], self._unfelt, not elsewhere)
@@ -156,7 +159,8 @@ class WallInference:
             return
         yield
         phi = blocks.rows(self._sums.x0, self._sums.deepest)
-        phi[FORCE] -= self.inertia * phi[ACCELERATION]
+        if self.inertia:
+            phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights, told = self._weights(phi)
         surprise = self.residuals.surprise(phi, weights, self._sums.x0, self.rhythm.early)
@@ -271,8 +275,8 @@ class WallInference:
         self.rhythm.judged()
         what, grams, of_law = sums.posed(scene)
         moves: NDArray[np.bool_] = what.law >= MOVING
-        judged = yield from judge_in_parts(grams, scene, what)
         yield
+        judged = yield from judge_in_parts(grams, scene, what)
         prior = sums.place_prior
         negative = negativity(judged, what.law, scene)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
@@ -321,9 +325,16 @@ class WallInference:
         """Return the log odds of the best wall that moves; begin those anew that are far off."""
         sums, still = self._sums, float(odds[laws < MOVING].max())
         leads = [float(odds[laws == one.law].max()) - still for one in sums.walking]
-        for one, lead in zip(sums.walking, leads):
-            one.restart_if_far(sums.gram, lead, float(sums.odds[:MOVING].max()))
-        return max(leads)
+        lead = max(leads)
+        best = sums.walking[leads.index(lead)]
+        for one, own in zip(sums.walking, leads):
+            if own - max(lead, 0.0) >= LOG_PRIOR[one.law]:
+                continue
+            if lead > 0.0:
+                one.follow(best)
+            else:
+                one.restart(sums.gram, float(sums.odds[:MOVING].max()))
+        return lead
 
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:
         """Begin anew where a change of the wall is certain."""

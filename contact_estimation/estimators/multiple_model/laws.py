@@ -10,6 +10,7 @@ contact obeys, whatever its law, S0 f = phi^T theta with at most six columns of 
     Kelvin-Voigt     K S0 y + B S1 y + M S2 y + s S0 1
     with friction    ... + F_c S0 sgn v
     yielding         ... - R S0 max y, the greatest depth so far
+    moving wall      ... + c (t + B / K), t being the time until now
     curved           K S0 y + c S0 (y^2 / D - y) + d S0 (y^3 / D^2 - y) + B S1 y - k S1 f + s S0 1
     Hunt-Crossley    K S0 y^n + chi S1 y^(n+1) / (n+1) - k S1 f + s S0 n y^(n-1)
 
@@ -25,20 +26,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, TWO_POLES, UNLIKELY)
+    CREEP, DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, SPEED, TWO_POLES, UNLIKELY)
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 (ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
  POWER_CURVE, SQUARE, CUBE, CUBE_RATE, SET, ZERO, FORCE, FORCE_RATE, NOISE, RATE_NOISE,
- ACCELERATION_NOISE) = range(21)
+ ACCELERATION_NOISE, TIME) = range(22)
 """Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
 S0 1.5 y^0.5, S0 0.75 y^-0.5, S0 y^2, S0 y^3, S1 y^3 / 3, -S0 of the greatest y so far, 0, S0 f,
-S1 f, and the standard deviations of S0 y, S1 y and S2 y, whose squares say how much of the scatter
-of each is noise."""
+S1 f, the standard deviations of S0 y, S1 y and S2 y, whose squares say how much of the scatter
+of each is noise, and the time until now plus B_e / K_e."""
 
-COLUMNS = 21
+COLUMNS = 22
 OF_DEPTH = [DEPTH, POWER, POWER_SLOPE, POWER_CURVE, SQUARE, CUBE]
 """Columns that are functions of the depth."""
 
@@ -59,6 +60,7 @@ class Law(NamedTuple):
 
 
 _LINEAR = DEPTH, RATE, ACCELERATION, ONE, ZERO, ZERO
+_MOVING = DEPTH, RATE, ACCELERATION, ONE, TIME, ZERO
 LAWS = {
     'kelvin_voigt': Law(_LINEAR, 1.0, 0.67),
     'mass': Law(_LINEAR, 1.0, 0.06),
@@ -71,14 +73,17 @@ LAWS = {
     # Loading alone never tells it: it counts where the data speak for it.
     'yielding': Law((DEPTH, RATE, ACCELERATION, ONE, SET, ZERO), 1.0, 0.5 * UNLIKELY),
     # A wall that moved once and for all has changed; this one goes on moving.
-    'moving_wall': Law(_LINEAR, 1.0, 1e-4),
+    'moving_wall': Law(_MOVING, 1.0, 1e-4),
+    'creeping_wall': Law(_MOVING, 1.0, 1e-4),
     'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""
 
 NAMES = tuple(LAWS)
-KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, DRIFTING = (NAMES.index(name) for name in (
-    'kelvin_voigt', 'mass', 'friction', 'curved', 'yielding', 'moving_wall', 'drifting_stiffness'))
+KELVIN_VOIGT, MASS, FRICTION, BENT, YIELDING, MOVING, CREEPING, DRIFTING = (
+    NAMES.index(name) for name in (
+        'kelvin_voigt', 'mass', 'friction', 'curved', 'yielding', 'moving_wall', 'creeping_wall',
+        'drifting_stiffness'))
 LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
 EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
 DEEP = np.array([name.startswith('hunt') for name in NAMES])
@@ -155,6 +160,7 @@ def _priors(damping: float, tau: float, std: float) -> tuple[NDArray[np.bool_], 
     per_K[alike, 2] = True
     width[LATE, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
     width[BENT, 4:6], per_K[BENT, 4:6] = 1.0, True
+    width[[MOVING, CREEPING], 4], per_K[[MOVING, CREEPING], 4] = (SPEED, CREEP), True
     width[YIELDING, 4], per_K[YIELDING, 4] = 0.5, True
     return per_K, mean, width
 
@@ -166,7 +172,7 @@ def shifted_table(delta: float) -> Array:
     (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, else to second order.
 
     delta: how far into the wall [m]
-    Returns matrix (21, 21): new columns from old ones
+    Returns matrix (22, 22): new columns from old ones
     """
     matrix = np.eye(COLUMNS)
     for column, source, factor in (

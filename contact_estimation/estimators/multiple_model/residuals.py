@@ -67,9 +67,9 @@ class Residuals:
         force, smooth = phi[FORCE], self._blocks.smoothing
         if self.best is not None:  # a curved wall is stiffer where it is deeper
             law, _, scene = self.best
-            depth = np.maximum(phi[DEPTH] / scene.depth, 0.0)
-            stiffer, damped = depth ** POWERS[:, law]
-            K, B = EXPONENT[law] * K * stiffer, B * damped
+            if POWERS[:, law].any():
+                stiffer, damped = np.maximum(phi[DEPTH] / scene.depth, 0.0) ** POWERS[:, law]
+                K, B = EXPONENT[law] * K * stiffer, B * damped
         variance = (self.variance_of(force) + unknown + np.square(JITTER_S * phi[FORCE_RATE])
                     + self._blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
@@ -108,7 +108,8 @@ class Residuals:
         columns[4:] -= (law[0] == BENT) * columns[0]
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self._blocks.smoothing
-        ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
+        ratio = float(np.add.reduce(error * error * weights)) / len(error) / (
+            smooth.hop * smooth.noise)
         if not early:
             before = self._mean_square if self._mean_square == self._mean_square else 1.0
             share = min(phi.shape[1] * smooth.hop * self._blocks.period_s / _RESIDUAL_S, 1.0)

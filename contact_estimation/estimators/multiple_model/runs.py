@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .constants import (
     CHANGES, COMMIT, EXACT_SURFACE_M, NEW_WALL, OBSERVED_S, RUNS, ZERO_STEP_N, ZERO_STEPS)
-from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
+from .evidence import Hypotheses, judge_in_parts, Judged, negativity, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
 
@@ -46,12 +46,12 @@ class Before(NamedTuple):
     """What was before each run."""
 
     used: Ints  # (N,) indices of the runs
-    since: Array  # (N, 21, 21) Gram matrices since then
+    since: Array  # (N, 22, 22) Gram matrices since then
     judged: Judged  # the wall before
     old: Ints  # which of them are old enough for another wall
     what: Hypotheses  # (N,) which wall that is, at the surface that explains it best
     prior: Array  # (N,) log prior of its surface
-    gram: Array  # (21, 21) of all data
+    gram: Array  # (22, 22) of all data
 
 
 class Touch(NamedTuple):
@@ -149,7 +149,7 @@ class Runs:
         """
         Judge what was before each run, in parts.
 
-        gram (21, 21): of all data
+        gram (22, 22): of all data
         what: one law with each of its surfaces
         prior (M,): log prior of these
         least: blocks that another wall must have within a contact
@@ -162,7 +162,7 @@ class Runs:
         since, places = self._grams[used], len(prior)
         count = len(used)
         judged = yield from judge_in_parts(
-            np.repeat(gram - since, places, axis=0), scene, Hypotheses(
+            gram - since, scene, Hypotheses(
                 np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
         evidence = judged.evidence.reshape(-1, places) + prior
         place = evidence.argmax(axis=1)
@@ -205,7 +205,7 @@ class Runs:
         found = yield from judge_in_parts(grams, scene, Hypotheses(
             what.law[run], *(np.where(is_same, kept[run], other) for kept, other in zip(
                 what[1:], (stiffness, centre, std)))))
-        odds = found.evidence - evidence + hazard
+        odds = found.evidence - evidence + hazard - negativity(found, what.law[run], scene)
         odds[is_same] += cost + prior[same]
         odds[~is_same] += judged.evidence[run[~is_same]]
         as_before = np.ones(len(run), bool)
@@ -234,7 +234,7 @@ def shifted(gram: Array, part: Array, variance: Array) -> tuple[Array, Array]:
     """
     Return data in a part of which the force may have shifted, and what the evidence loses.
 
-    gram, part (21, 21), (N, 21, 21): of all data, and of the part
+    gram, part (22, 22), (N, 22, 22): of all data, and of the part
     variance (N,): of the shift [N^2]
     """
     column = part[:, ONE]
@@ -249,7 +249,7 @@ def in_doubt(gram: Array, part: Array, delta: float, variance: float) -> Array:
 
     At rest either explains a step of the force, which has a variance [N^2].
 
-    gram, part (21, 21): of all data, and of the part
+    gram, part (22, 22): of all data, and of the part
     delta: surface less x0 [m]
     """
     to_depth = np.array([[1.0, -delta], [0.0, 1.0]])

@@ -70,7 +70,7 @@ class Segment:
 
     def mean(self, noise: float) -> tuple[float, float]:
         """Return the mean force [N] and its variance, given that of a sample [N^2]."""
-        return self._moments[1], noise / len(self._x)
+        return float(np.add.reduce(self._f)) / len(self._f), noise / len(self._f)
 
     @property
     def _explained(self) -> float:

@@ -1,16 +1,16 @@
 # Copyright 2026 contact_estimation authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What changes slowly: the lag of the force sensor, the walk of the surface."""
+"""What changes slowly: the lag of the force sensor, the speed of the surface."""
 
 from math import log, sqrt
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, TWO_POLES, WALK
+from .constants import CREEP, LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
 from .laws import (
-    ACCELERATION_NOISE, Array, COLUMNS, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
-    MOVING, ONE, SIGN)
+    ACCELERATION_NOISE, Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT,
+    LOG_PRIOR, MASS, MOVING, ONE, SIGN, TIME)
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
@@ -73,7 +73,7 @@ class OwnData:
     The Gram matrix of a law for which the data are not what they are for all others.
 
     law: index of NAMES
-    gram (21, 21): of all blocks
+    gram (22, 22): of all blocks
     gained: log odds to be added to its evidence
     """
 
@@ -108,7 +108,7 @@ class DoubtedRows(OwnData):
         """
         Return what the variance of samples has under this law alone, (N,) [N^2].
 
-        phi (21, N): rows
+        phi (22, N): rows
         noise: variance of S0 of white noise of variance 1
         """
         if self.law == FRICTION:
@@ -125,35 +125,55 @@ class DoubtedRows(OwnData):
         samples: independent ones in a row
         """
         self.gram = self.gram * fade + (phi * (weights / told)) @ phi.T
-        self.gained = fade * self.gained - 0.5 * samples * float(np.log(told).sum())
+        self.gained = fade * self.gained - 0.5 * samples * float(
+            np.add.reduce(np.log(told)))
 
 
 class MovingWall(OwnData):
     """
-    The Gram matrix of a wall whose s(t) = -K delta(t), or K(t), is a random walk, and its odds.
+    The Gram matrix of a wall that moves, or whose stiffness drifts, and its odds.
 
-    A step w of the surface with variance Q takes from the matrix what it tells of s before: the
-    Schur complement G - g g^T / (1 / Q + g_s), g its column of s; the evidence loses
-    log(1 + Q g_s) / 2. A step of K alike, g being the column of the depth.
+    The surface moves at a speed that is a random walk: f = K y + B y' + s + c (t + B / K) with
+    c = -K v, t being 0 now. A step w of c with variance Q takes from the matrix what it tells of c
+    before: the Schur complement G - g g^T / (1 / Q + g_c), g its column of c; the evidence loses
+    log(1 + Q g_c) / 2. A step of the stiffness alike, g being the column of the depth.
 
-    walked: how far its surface may have come since it was at rest, by steps of one sign [m]
+    walked: how far its surface may have come since it was at rest [m]
     """
 
     def __init__(self, law: int) -> None:
         super().__init__(law)
-        self._column, self.walked = {MOVING: ONE, DRIFTING: DEPTH}[law], 0.0
+        self._rate, self._column = {
+            MOVING: (SPEED, TIME), CREEPING: (CREEP, TIME), DRIFTING: (WALK, DEPTH)}[law]
+        self.walked = 0.0
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
         """Add a block and walk for its duration [s], K being about the scale [N/m]."""
-        known, step = self.gram * fade + gram, WALK * WALK * seconds
-        if self.law == MOVING:
-            step *= float(gram[DEPTH, DEPTH] / max(gram[ONE, ONE], 1e-30))
-            self.walked += sqrt(step)
-        walk = scale * scale * step
-        column = known[self._column]
-        told = 1.0 + walk * float(column[self._column])
-        self.gram = known - (walk / told) * np.outer(column, column)
-        self.gained = fade * self.gained - 0.5 * log(told)
+        self._pass(seconds)
+        self.gram = self.gram * fade + gram
+        self.gained *= fade
+        self._step(self._column, scale, seconds)
+
+    def leave(self, seconds: float, scale: float) -> None:
+        """Let a wall move for a time without contact [s]."""
+        if self._column == TIME:
+            self._pass(seconds)
+            self._step(TIME, scale, seconds)
+            self._step(ONE, scale, seconds**3)
+
+    def _pass(self, seconds: float) -> None:
+        """Let time pass."""
+        if self._column == TIME:
+            self.gram[TIME] -= seconds * self.gram[ONE]
+            self.gram[:, TIME] -= seconds * self.gram[:, ONE]
+            self.walked += self._rate * seconds**1.5
+
+    def _step(self, column: int, scale: float, seconds: float) -> None:
+        """Let the coefficient of a column walk for a time [s]."""
+        variance, told = (self._rate * scale) ** 2 * seconds, self.gram[column].copy()
+        known = 1.0 + variance * float(told[column])
+        self.gram -= (variance / known) * (told[:, None] * told)
+        self.gained -= 0.5 * log(known)
 
     @property
     def prior(self) -> float:
@@ -163,9 +183,15 @@ class MovingWall(OwnData):
     def restart(self, gram: Array, rest: float) -> None:
         """Let it begin now, from the wall at rest, whose law has some log odds."""
         super().restart(gram, rest)
+        self.gram[TIME], self.gram[:, TIME] = 0.0, 0.0
         self.gained, self.walked = rest, 0.0
 
-    def restart_if_far(self, gram: Array, gap: float, rest: float) -> None:
-        """Let it begin now if it is less probable than that, by its log odds against rest."""
-        if gap < LOG_PRIOR[self.law]:
-            self.restart(gram, rest)
+    def follow(self, other: 'MovingWall') -> None:
+        """Let it begin now, from one that moves otherwise."""
+        if other._column != TIME:
+            return self.restart(other.gram, other.prior)
+        super().restart(other.gram, other.prior)
+        self.gained, self.walked = other.prior, other.walked
+        if self._column != TIME:
+            told = self.gram[TIME].copy()
+            self.gram -= np.outer(told, told) / (told[TIME] + 1e-30)

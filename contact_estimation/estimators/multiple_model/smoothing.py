@@ -9,8 +9,7 @@ between them stays exact, also across the touch, where y = max(x - x0, 0) has a 
 noise of the force keeps its variance in the sums.
 """
 
-from math import inf, pi, sqrt
-from typing import Sequence
+from math import inf, isfinite, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +70,7 @@ class Smoothing:
 
     def rows(
         self, force: Array, x: Array, v: Array, x0: float, noise: tuple[float, float],
-        touching: bool = False, bent: Sequence[Array] = (), deepest: float = -inf,
+        touching: bool = False, bent: Array | None = None, deepest: float = -inf,
     ) -> Array:
         """
         Return the rows of successive samples.
@@ -82,18 +81,18 @@ class Smoothing:
         noise: variance of position [m^2] and measured rate [m^2/s^2]
         touching: whether the tool is outside the wall in some of the samples
         deepest: greatest position before [m]
-        bent (length(N),): as of `WallPosterior.take`; () where no known physics bend the wall
-        Returns phi (21, N): the columns of `laws`, a row for each window
+        bent (2, length(N)): as of `WallPosterior.take`; None where no known physics bend the wall
+        Returns phi (22, N): the columns of `laws`, a row for each window
         """
         phi, inside = self._of_positions(force, x - x0, touching, deepest - x0)
         windows = phi.shape[1]
         table, mean, _ = self.bands(windows)
         phi[NOISE] = sqrt(noise[0] * self.noise)
-        if any(column.any() for column in bent):
+        if bent is not None and bent.any():
             phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
             phi[ONE] += bent[1] @ mean
         rate_noise, bend_noise = noise[0] * self.rate_noise, noise[0] * self.bend_noise
-        if not touching and np.isfinite(v).all():
+        if not touching and isfinite(v @ v):
             of_v = (v @ table).reshape(3, windows)
             phi[RATE], rate_noise = _fused(
                 phi[RATE], rate_noise, of_v[0], noise[1] * self.noise)
@@ -119,7 +118,7 @@ class Smoothing:
     def _of_positions(
         self, force: Array, y: Array, touching: bool, deepest: float
     ) -> tuple[Array, Array]:
-        """Return the columns (21, N) but those of noise, of depths y (N,), and y inside."""
+        """Return the columns (22, N) but those of noise, of depths y (N,), and y inside."""
         windows = (len(y) - 2 * self.half - 1) // self.hop + 1
         table, mean, _ = self.bands(windows)
         inside = np.maximum(y, 0.0)
@@ -127,10 +126,10 @@ class Smoothing:
             y = inside
         root = np.sqrt(inside)
         power, square = inside * root, y * y
-        signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
-                            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9),
-                            square * y / 3.0, force])
-        smooth = (signals @ table).reshape(8, 3, windows)
+        smooth = (np.concatenate([
+            y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
+            0.75 / np.maximum(root, _LEAST_ROOT * root.max() + 1e-9), square * y / 3.0, force,
+        ]).reshape(8, -1) @ table).reshape(8, 3, windows)
         phi = np.zeros((COLUMNS, windows))
         phi[ONE] = (y > 0.0) @ mean if touching else 1.0
         phi[DEPTH:ACCELERATION + 1] = smooth[0]
@@ -149,5 +148,6 @@ class Smoothing:
 def _fused(rate: Array, own: float, measured: Array, least: float) -> tuple[Array, float]:
     """Weigh a rate of the positions and the measured one by the variance of each."""
     usual = own * (1.0 + 4.0 / sqrt(len(rate)))  # two deviations of what overlapping windows show
-    other = max(float(np.mean(np.square(measured - rate))) - usual, least, 1e-20)
+    off = float(np.add.reduce(np.square(measured - rate))) / len(rate)
+    other = max(off - usual, least, 1e-20)
     return (other * rate + own * measured) / (other + own), other * own / (other + own)

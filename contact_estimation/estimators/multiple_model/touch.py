@@ -50,7 +50,7 @@ def surface_of_touch(
 
     force, x (N,): pressing force [N] and position [m], from before the touch to before the release
     weight: of a row [1/N^2]
-    gram (21, 21): of earlier contacts, about x0 [m]
+    gram (22, 22): of earlier contacts, about x0 [m]
     x0, scale: reference of `gram` [m]; scale of the stiffness [N/m]
     prior (M,): centre [m], standard deviation [m] and weight of a mixture
     Returns surface, std: mean and standard deviation [m]; None where no place explains a pressing

@@ -16,8 +16,8 @@ from .constants import (
 from .evidence import Hypotheses, hypotheses, judge, Judged, Place, Scene
 from .knowledge import OUTSIDE
 from .laws import (
-    Array, COLUMNS, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES,
-    ONE, RATE, SET, shifted_table)
+    Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FORCE, FRICTION, KELVIN_VOIGT, LOG_PRIOR, MASS,
+    MOVING, NAMES, ONE, RATE, SET, shifted_table, TIME)
 from .runs import Change, in_doubt, places, Runs, shifted
 from .slow_states import DoubtedRows, MovingWall, OwnData
 
@@ -32,7 +32,7 @@ class SameWall:
     """
     The wall before a change, in case not the wall has changed but the zero of the sensor.
 
-    before (21, 21): Gram matrix of all data before it
+    before (22, 22): Gram matrix of all data before it
     what: law, scale and surface
     variance: of the step [N^2]
     odds: log odds against another wall
@@ -55,7 +55,7 @@ class SameWall:
         """
         Return all data, the force since the change shifted, and what the evidence loses.
 
-        since (21, 21): of the data since the change
+        since (22, 22): of the data since the change
         """
         (gram,), (cost,) = shifted(self._before + since, since[None], np.array([self._variance]))
         return gram, float(cost)
@@ -66,7 +66,7 @@ class SameWall:
                         self._variance)
 
     def step_again(self, other: Array, odds: float) -> None:
-        """Note another step, after data (21, 21) of what seemed another wall."""
+        """Note another step, after data (22, 22) of what seemed another wall."""
         self._before, _ = self.data(other)
         self._gap, self.odds = nan, self.odds + odds
 
@@ -86,7 +86,7 @@ class WallStatistics:
     What the blocks of a wall add up to; its hypotheses are judged by this alone.
 
     location, std: x_e as told, NaN where unknown, and its standard deviation [m]
-    gram (21, 21): sum of the Gram matrices of all blocks, the older, the less
+    gram (22, 22): sum of the Gram matrices of all blocks, the older, the less
     walking, doubting: the same of walls that move or drift, of laws that doubt some rows
     runs: the same since every time of a possible change
     odds: log odds of each law
@@ -101,7 +101,7 @@ class WallStatistics:
     def __init__(self, location: float, std: float) -> None:
         self._told = (location, std) if location == location else (0.0, inf)
         self.gram, self.runs = np.zeros((COLUMNS, COLUMNS)), Runs()
-        self.walking = [MovingWall(law) for law in (MOVING, DRIFTING)]
+        self.walking = [MovingWall(law) for law in (MOVING, CREEPING, DRIFTING)]
         self.doubting = [DoubtedRows(law) for law in (FRICTION, MASS)]
         self.odds = LOG_PRIOR.copy()
         self.surfaces = [Place(location, EXACT_SURFACE_M, AS_TOLD), Place(location, std, NEAR),
@@ -160,6 +160,8 @@ class WallStatistics:
         weights, told (N,): of its rows phi, and what the laws that doubt rows divide them by
         samples: independent ones in a row
         """
+        t = np.linspace(1.0 / phi.shape[1] - 1.0, 0.0, phi.shape[1])
+        phi[TIME] = seconds * t + self.seconds  # the damper feels a speed at once
         gram = (phi * weights) @ phi.T
         fade = exp(-seconds / FADE_S)
         self.deepest = max(self.deepest, self.x0 - float(phi[SET].min()))
@@ -219,26 +221,25 @@ class WallStatistics:
         law = np.array([KELVIN_VOIGT])
         what = Hypotheses(*(np.concatenate(one) for one in zip(*(
             hypotheses(law, self.surfaces, scale, scene.depth) for scale in _SCALES))))
-        found = judge(np.repeat(self.gram[None], len(what.law), axis=0), scene, what)
+        found = judge(self.gram[None].copy(), scene, what)
         odds = found.evidence + np.tile(self.place_prior, len(_SCALES))
         odds[found.theta[:, 0] <= 0.0] = -inf
         K, B = found.theta[int(np.argmax(odds)), :2].tolist()
         self.rescale(K, B, LEAST_STIFFNESS, scene.lag[0])
 
     def posed(self, scene: Scene) -> tuple[Hypotheses, Array, Array]:
-        """Return all laws, each with each surface, their Gram matrices, and their log odds."""
+        """Return all laws, each with each surface, Gram matrices of the laws, and log odds."""
         what = hypotheses(np.arange(len(NAMES)), self.surfaces, self.scale, scene.depth)
-        grams, odds = np.repeat(self.gram[None], len(what.law), axis=0), self.odds[what.law]
+        grams, odds = np.repeat(self.gram[None], len(NAMES), axis=0), self.odds[what.law]
+        for one in self.own:
+            grams[one.law] = one.gram
         for one in self.walking:
             own = what.law == one.law
-            grams[own] = one.gram
             far = np.hypot(what.std[own], one.walked)
             odds[own] = one.prior + np.log(far / what.std[own])  # whose cost the walk has paid
             what.std[own] = far
         for other in self.doubting:
-            own = what.law == other.law
-            grams[own] = other.gram
-            odds[own] += other.gained
+            odds[what.law == other.law] += other.gained
         return what, grams, odds
 
     def excitation(self) -> tuple[float, float]:
@@ -277,7 +278,7 @@ class WallStatistics:
         if other:
             law = of_laws[:MOVING].argmax(axis=0, keepdims=True)
             what = hypotheses(law, self.surfaces, self.scale, scene.depth)
-            judged = judge(np.repeat(before[None], len(self.surfaces), axis=0), scene, what)
+            judged = judge(before[None].copy(), scene, what)
             odds = judged.evidence + self.place_prior
             order = np.argsort(-odds)
             self.odds = np.maximum(of_laws - of_laws[law], LOG_PRIOR - _FARTHEST)
