@@ -23,7 +23,7 @@ from .report import Report
 from .residuals import Residuals
 from .rhythm import Rhythm, SETTLED, SURPRISE
 from .runs import Change, decided, LEAST_BLOCKS, Touch
-from .slow_states import LagPosterior
+from .slow_states import judge_walks, LagPosterior
 from .touch import before_release, surface_of_touch
 from .wall_statistics import WallStatistics
 
@@ -298,7 +298,8 @@ class WallInference:
         if change is not None:  # a wall at rest may have changed instead of moving
             odds = odds + np.where(moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
-        walks_by = self._lead_of_walks(odds, what.law)
+        walks_by = judge_walks(sums.walking, odds.reshape(_LAWS, -1).max(axis=1), sums.gram,
+                               float(sums.odds[:MOVING].max()))
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
         self.rhythm.walks = bool(weights[moves].sum() > 0.5)
@@ -320,21 +321,6 @@ class WallInference:
             yield
             self._commit(change, certain, scene)
         self._follow_surface(weights, judged, what.law, scene)
-
-    def _lead_of_walks(self, odds: Array, laws: Ints) -> float:
-        """Return the log odds of the best wall that moves; begin those anew that are far off."""
-        sums, still = self._sums, float(odds[laws < MOVING].max())
-        leads = [float(odds[laws == one.law].max()) - still for one in sums.walking]
-        lead = max(leads)
-        best = sums.walking[leads.index(lead)]
-        for one, own in zip(sums.walking, leads):
-            if own - max(lead, 0.0) >= LOG_PRIOR[one.law]:
-                continue
-            if lead > 0.0:
-                one.follow(best)
-            else:
-                one.restart(sums.gram, float(sums.odds[:MOVING].max()))
-        return lead
 
     def _commit(self, change: Change, certain: int, scene: Scene) -> None:
         """Begin anew where a change of the wall is certain."""

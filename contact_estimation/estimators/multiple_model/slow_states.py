@@ -4,6 +4,7 @@
 """What changes slowly: the lag of the force sensor, the speed of the surface."""
 
 from math import log, sqrt
+from typing import Sequence
 
 import numpy as np
 
@@ -195,3 +196,25 @@ class MovingWall(OwnData):
         if self._column != TIME:
             told = self.gram[TIME].copy()
             self.gram -= np.outer(told, told) / (told[TIME] + 1e-30)
+
+
+def judge_walks(
+    walking: Sequence[MovingWall], odds: Array, gram: Array, law: float
+) -> float:
+    """
+    Begin walls that move anew where another wall is far more probable.
+
+    odds (N,): log odds of each law
+    gram (22, 22), law: data of the wall at rest, and log odds of its law
+    Returns lead: log odds of the best that moves against the wall at rest
+    """
+    best = max(walking, key=lambda one: float(odds[one.law]))
+    lead = float(odds[best.law] - odds[:MOVING].max())
+    for one in walking:
+        if odds[one.law] - odds.max() >= LOG_PRIOR[one.law]:
+            continue
+        if lead > 0.0:
+            one.follow(best)
+        else:
+            one.restart(gram, law)
+    return lead
