@@ -133,7 +133,7 @@ def test_noise_of_the_position_does_not_hide_the_sign_of_friction(
     assert abs(posterior.known.stiffness - K) < 0.01 * K
 
 
-@pytest.mark.parametrize('speed', [-3e-3, -3e-4, 3e-3, 1e-2])
+@pytest.mark.parametrize('speed', [-3e-3, 3e-3, 1e-2])
 def test_a_wall_that_gives_way_at_a_constant_force_is_no_softer(speed: float) -> None:
     draw, t = np.random.default_rng(1), np.arange(0.0, 8.0, 0.002)
     moved = speed * np.maximum(t - 3.0, 0.0)

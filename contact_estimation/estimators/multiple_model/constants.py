@@ -87,11 +87,12 @@ FADE_S = 20.0
 """Memory of all else [s of contact]."""
 
 WALK = 0.02
-"""Random walk of a stiffness that drifts, relative to it [1/sqrt(s)]: 2 % in a second."""
+"""Random walk of the force of a wall that creeps or whose stiffness drifts, relative to it
+[1/sqrt(s)]: 2 % of the stiffness, or at a depth of 10 mm 0.2 mm of the surface, in a second."""
 
-SPEED, CREEP = 1e-2, 1e-3
-"""Speed of a wall that moves and of one that creeps, and how much each changes in a second [m/s]:
-a hand, a conveyor; foam, a joint that sags. `studies online --only followed` shows others."""
+SPEED = 1e-2
+"""Speed of a wall that moves, and how much it changes in a second [m/s]: a hand, a conveyor.
+`studies online --only followed` shows others."""
 
 # -- noise and model error ----------------------------------------------------------------------
 JITTER_S = 1e-4

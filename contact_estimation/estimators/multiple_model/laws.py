@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import (
-    CREEP, DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, SPEED, TWO_POLES, UNLIKELY)
+    DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, SPEED, TWO_POLES, UNLIKELY)
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
@@ -74,7 +74,7 @@ LAWS = {
     'yielding': Law((DEPTH, RATE, ACCELERATION, ONE, SET, ZERO), 1.0, 0.5 * UNLIKELY),
     # A wall that moved once and for all has changed; this one goes on moving.
     'moving_wall': Law(_MOVING, 1.0, 1e-4),
-    'creeping_wall': Law(_MOVING, 1.0, 1e-4),
+    'creeping_wall': Law(_LINEAR, 1.0, 1e-4),
     'drifting_stiffness': Law(_LINEAR, 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""
@@ -160,7 +160,7 @@ def _priors(damping: float, tau: float, std: float) -> tuple[NDArray[np.bool_], 
     per_K[alike, 2] = True
     width[LATE, 2], width[MASS, 2], width[FRICTION, 4] = std + 1e-6, MASS_KG, FRICTION_N
     width[BENT, 4:6], per_K[BENT, 4:6] = 1.0, True
-    width[[MOVING, CREEPING], 4], per_K[[MOVING, CREEPING], 4] = (SPEED, CREEP), True
+    width[MOVING, 4], per_K[MOVING, 4] = SPEED, True
     width[YIELDING, 4], per_K[YIELDING, 4] = 0.5, True
     return per_K, mean, width
 

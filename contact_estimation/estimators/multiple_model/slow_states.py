@@ -8,7 +8,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .constants import CREEP, LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
+from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
 from .laws import (
     ACCELERATION_NOISE, Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT,
     LOG_PRIOR, MASS, MOVING, ONE, SIGN, TIME)
@@ -132,12 +132,12 @@ class DoubtedRows(OwnData):
 
 class MovingWall(OwnData):
     """
-    The Gram matrix of a wall that moves, or whose stiffness drifts, and its odds.
+    The Gram matrix of a wall that moves, creeps, or whose stiffness drifts, and its odds.
 
-    The surface moves at a speed that is a random walk: f = K y + B y' + s + c (t + B / K) with
+    A wall that moves has a speed, which is a random walk: f = K y + B y' + s + c (t + B / K) with
     c = -K v, t being 0 now. A step w of c with variance Q takes from the matrix what it tells of c
     before: the Schur complement G - g g^T / (1 / Q + g_c), g its column of c; the evidence loses
-    log(1 + Q g_c) / 2. A step of the stiffness alike, g being the column of the depth.
+    log(1 + Q g_c) / 2. A step of s, where a wall creeps, or of the stiffness alike.
 
     walked: how far its surface may have come since it was at rest [m]
     """
@@ -145,7 +145,7 @@ class MovingWall(OwnData):
     def __init__(self, law: int) -> None:
         super().__init__(law)
         self._rate, self._column = {
-            MOVING: (SPEED, TIME), CREEPING: (CREEP, TIME), DRIFTING: (WALK, DEPTH)}[law]
+            MOVING: (SPEED, TIME), CREEPING: (WALK, ONE), DRIFTING: (WALK, DEPTH)}[law]
         self.walked = 0.0
 
     def add(self, gram: Array, fade: float, seconds: float, scale: float) -> None:
@@ -153,6 +153,10 @@ class MovingWall(OwnData):
         self._pass(seconds)
         self.gram = self.gram * fade + gram
         self.gained *= fade
+        if self._column == ONE:
+            depth = sqrt(float(gram[DEPTH, DEPTH] / max(gram[ONE, ONE], 1e-30)))
+            self.walked += self._rate * depth * sqrt(seconds)
+            scale *= depth
         self._step(self._column, scale, seconds)
 
     def leave(self, seconds: float, scale: float) -> None:
