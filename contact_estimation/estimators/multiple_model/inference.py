@@ -29,6 +29,7 @@ from .wall_statistics import WallStatistics
 
 _LAWS = len(NAMES)
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
+_NEGATIVE = 15.0  # log odds that negative stiffness or damping of a law on all data costs at most
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
 _START = 3  # blocks in which the scale of the priors is not known
 
@@ -278,7 +279,7 @@ class WallInference:
         yield
         judged = yield from judge_in_parts(grams, scene, what)
         prior = sums.place_prior
-        negative = negativity(judged, what.law, scene)
+        negative = np.minimum(negativity(judged, what.law, scene), _NEGATIVE)
         odds = judged.evidence + (of_law + np.tile(prior, _LAWS)) - negative
         still = int(np.argmax(np.where(moves, -inf, odds)))
         for other in sums.doubting:
