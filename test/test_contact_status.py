@@ -76,9 +76,9 @@ def test_pull_is_no_contact_and_says_so() -> None:
 
 def test_an_estimate_that_the_last_contact_left_without_band_says_so() -> None:
     samples = two_presses()
-    share = np.linspace(1.0, 0.0, len(samples.t))
-    yields = np.where(samples.t > 3.0, 5.0 * share**3, 1.0)  # to a tenth, and on
-    known, *_, lost = estimates_of(samples._replace(force=samples.force * yields))[int(
+    later = samples.t - 3.0
+    share = np.where(later > 0.0, 1.0 + 0.8 * np.sin(30.0 * later), 1.0)
+    known, *_, lost = estimates_of(samples._replace(force=samples.force * share))[int(
         np.searchsorted(samples.t, 3.0)):]
     assert (known.stiffness_std < 0.01 * K, known.reason) == (True, '')
     assert lost.status is FREE and lost.stiffness_std != lost.stiffness_std
