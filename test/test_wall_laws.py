@@ -151,6 +151,17 @@ def test_a_wall_that_gives_way_at_a_constant_force_is_no_softer(speed: float) ->
     assert known.stiffness == pytest.approx(K, rel=0.05)
 
 
+@pytest.mark.filterwarnings('error')
+def test_a_touch_after_a_gap_leaves_what_walls_that_move_have_told() -> None:
+    samples = contact(spring_damper(K, B), 6.0, presses=((0.3, 2.0), (3.0, 5.8)))
+    posterior = WallPosterior(0.0, 2e-3, NO_LAG)
+    for k, sample in enumerate(zip(*samples[:3])):
+        if k == 1250:  # between the contacts
+            posterior.restart()
+        posterior.take(*sample)
+    assert within(posterior.known.stiffness, K, posterior.known.stiffness_std)
+
+
 @pytest.mark.parametrize('seed', [0, 1])
 def test_noise_of_the_force_in_a_hold_is_no_moving_wall(seed: int) -> None:
     draw, t = np.random.default_rng(seed), np.arange(0.0, 6.0, 0.002)

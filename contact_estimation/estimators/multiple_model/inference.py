@@ -299,8 +299,7 @@ class WallInference:
         if change is not None:  # a wall at rest may have changed instead of moving
             odds = odds + np.where(moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
-        walks_by = judge_walks(sums.walking, odds.reshape(_LAWS, -1).max(axis=1), sums.gram,
-                               float(sums.odds[:MOVING].max()))
+        walks_by = judge_walks(sums.walking, odds.reshape(_LAWS, -1).max(1), sums.gram, sums.odds)
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
         self.rhythm.walks = bool(weights[moves].sum() > 0.5)

@@ -8,13 +8,14 @@ from typing import Sequence
 
 import numpy as np
 
-from .constants import LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
+from .constants import FADE_S, LAG_TAIL, LONGEST_LAG_S, POLES_STD, SPEED, TWO_POLES, WALK
 from .laws import (
     ACCELERATION_NOISE, Array, COLUMNS, CREEPING, DEPTH, DRIFTING, FRICTION, KELVIN_VOIGT,
     LOG_PRIOR, MASS, MOVING, ONE, SIGN, TIME)
 
 
 _TAU: Array = np.linspace(0.0, LONGEST_LAG_S, 61)
+_UNKNOWN = 1e30  # variance of a coefficient of which nothing is known
 _CORRELATED = 4.0  # times the variance that white noise would leave
 _ELSE = 2e-7  # share of K_e in the second coefficient that is no lag: 0.4 ms of one [s^2]
 
@@ -160,8 +161,9 @@ class MovingWall(OwnData):
         self._step(self._column, scale, seconds)
 
     def leave(self, seconds: float, scale: float) -> None:
-        """Let a wall move for a time without contact [s]."""
+        """Let a wall move for a time without contact [s], which may not be known."""
         if self._column == TIME:
+            seconds = min(seconds, FADE_S)
             self._pass(seconds)
             self._step(TIME, scale, seconds)
             self._step(ONE, scale, seconds**3)
@@ -175,10 +177,14 @@ class MovingWall(OwnData):
 
     def _step(self, column: int, scale: float, seconds: float) -> None:
         """Let the coefficient of a column walk for a time [s]."""
-        variance, told = (self._rate * scale) ** 2 * seconds, self.gram[column].copy()
+        self.gained -= 0.5 * log(self._forget(column, (self._rate * scale) ** 2 * seconds))
+
+    def _forget(self, column: int, variance: float) -> float:
+        """Take what is told of a coefficient before a step; return by how much it is wider."""
+        told = self.gram[column].copy()
         known = 1.0 + variance * float(told[column])
         self.gram -= (variance / known) * (told[:, None] * told)
-        self.gained -= 0.5 * log(known)
+        return known
 
     @property
     def prior(self) -> float:
@@ -198,18 +204,17 @@ class MovingWall(OwnData):
         super().restart(other.gram, other.prior)
         self.gained, self.walked = other.prior, other.walked
         if self._column != TIME:
-            told = self.gram[TIME].copy()
-            self.gram -= np.outer(told, told) / (told[TIME] + 1e-30)
+            self._forget(TIME, _UNKNOWN)
 
 
 def judge_walks(
-    walking: Sequence[MovingWall], odds: Array, gram: Array, law: float
+    walking: Sequence[MovingWall], odds: Array, gram: Array, rest: Array
 ) -> float:
     """
     Begin walls that move anew where another wall is far more probable.
 
     odds (N,): log odds of each law
-    gram (22, 22), law: data of the wall at rest, and log odds of its law
+    gram (22, 22), rest (N,): data of the wall at rest, and log odds of each law of it
     Returns lead: log odds of the best that moves against the wall at rest
     """
     best = max(walking, key=lambda one: float(odds[one.law]))
@@ -220,5 +225,5 @@ def judge_walks(
         if lead > 0.0:
             one.follow(best)
         else:
-            one.restart(gram, law)
+            one.restart(gram, float(rest[:MOVING].max()))
     return lead
